@@ -95,7 +95,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
     };
     let first = plan(work, kit, &sample, &StripChoice::default())?;
     if first.takes_whole() {
-        let why = "casts shadows over the whole picture, which --shadows off leaves out";
+        let why = "casts shadows over the whole picture, which --shadows off and --sky-shadows off leave out";
         return Err(args.too_large(&args.input, why, program_bytes() + whole_bytes(job)));
     }
     job.tell_plan(&first);

@@ -31,8 +31,8 @@ pub(crate) struct Chosen {
     still_camera: Option<StillCamera>,
     /// What stands for an environment. No flag chooses it.
     light: Option<LightChoice>,
-    /// Whether new light casts shadows; in a sequence as in its first frame.
-    shadows: Option<bool>,
+    /// Which [`SHADOWS`] are cast; in a sequence those of its first frame.
+    shadows: [Option<bool>; 2],
 }
 
 impl Chosen {
@@ -118,7 +118,7 @@ impl Chosen {
             line_levels: median(each.iter().filter_map(|chosen| chosen.line_levels)),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
             light: each.iter().find_map(|chosen| chosen.light),
-            shadows: each.iter().find_map(|chosen| chosen.shadows),
+            shadows: [0, 1].map(|i| each.iter().find_map(|chosen| chosen.shadows[i])),
             recovered: None,
             still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
         }
@@ -142,9 +142,7 @@ impl Chosen {
         let tones = tones.map(|levels| Flag::new("tone-levels", listed(levels)));
         let lines = self.line_levels.iter();
         let lines = lines.map(|levels| Flag::new("line-levels", listed(levels)));
-        let shadows = self
-            .shadows
-            .map(|cast| Flag::new("shadows", switched(cast)));
+        let shadows = self.shadows().map(|(flag, is)| Flag::new(flag, is));
         numbers
             .chain(shadows)
             .chain(tones)
@@ -182,21 +180,23 @@ impl Chosen {
                 format!("{name}{space}{term} {number:.digits$}")
             });
         let light = self.light.iter().map(LightChoice::to_string);
-        let shadows = self
-            .shadows
-            .map(|cast| format!("shadows {}", switched(cast)));
+        let shadows = self.shadows().map(|(name, is)| format!("{name} {is}"));
         shadows
-            .into_iter()
             .chain(words)
             .chain(light)
             .collect::<Vec<_>>()
             .join(", ")
     }
+
+    /// The flags of shadows, and whether they are on.
+    fn shadows(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        let cast = SHADOWS.into_iter().zip(self.shadows);
+        cast.filter_map(|(flag, cast)| Some((flag, if cast? { "on" } else { "off" })))
+    }
 }
 
-fn switched(is_on: bool) -> &'static str {
-    if is_on { "on" } else { "off" }
-}
+/// The flags of shadows of lamps, and of light from all around.
+const SHADOWS: [&str; 2] = ["shadows", "sky-shadows"];
 
 /// The numbers present in `single`, and the white levels of kinds of light.
 fn numbers(

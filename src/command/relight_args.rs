@@ -118,6 +118,10 @@ impl RelightArgs {
                 Some(_) => AlbedoSource::Layer,
                 None => params.albedo,
             },
+            sky_shadows: match self.work.roles.computes_occlusion() {
+                true => Shadows::On,
+                false => params.sky_shadows,
+            },
             ..params
         }
     }
@@ -169,6 +173,14 @@ impl RelightArgs {
             format!(
                 "a light at {azimuth},{elevation} is not above the picture plane: most of the surface is in its own shadow"
             )
+        })
+    }
+
+    /// A warning where sky shadows fill what is behind silhouettes.
+    pub(crate) fn filled(&self, frame: &Frame) -> Option<String> {
+        let fills = self.params().sky_shadows == Shadows::On && frame.depth.is_some();
+        (fills && !frame.is_map()).then(|| {
+            "--sky-shadows on takes what stands before a background for solid down to it, and darkens the background beside it: compare --sky-shadows off, or a layer of occlusion".into()
         })
     }
 

@@ -48,8 +48,9 @@ pub(crate) struct RoleArgs {
     /// The picture to be enhanced: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     color: Option<String>,
-    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out.
-    #[arg(hide_short_help = true, long, value_name = "NAME|FILE|none")]
+    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out. For relight,
+    /// computed is --sky-shadows on without a layer of it.
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE|none|computed")]
     occlusion: Option<String>,
     /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
     #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
@@ -180,7 +181,15 @@ fn name<T: PartialEq>(all: &[(T, &'static str)], value: &T) -> &'static str {
     named.expect("every value has a word").1
 }
 
+/// What --occlusion calls that of the surface itself, in new light.
+const COMPUTED: &str = "computed";
+
 impl RoleArgs {
+    /// Whether occlusion is computed rather than read.
+    pub(crate) fn computes_occlusion(&self) -> bool {
+        self.occlusion.as_deref() == Some(COMPUTED)
+    }
+
     pub(crate) fn inputs(&self, picture: &std::path::Path) -> Inputs {
         Inputs {
             picture: picture.to_path_buf(),

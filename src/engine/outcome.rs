@@ -209,8 +209,8 @@ pub struct Outcome {
     pub environment_gain: Option<f32>,
     /// Whether the surface has the colours of the frame's picture, in new light: a display keeps its brightness.
     pub(crate) takes_picture: bool,
-    /// Whether new light casts shadows, where that was chosen.
-    pub(crate) casts_shadows: Option<bool>,
+    /// Whether lamps cast shadows, and what light from all around, where that was chosen.
+    pub(crate) casts_shadows: [Option<bool>; 2],
     /// The lights and samples that stand for the environment, where they were chosen by their error.
     pub light_choice: Option<LightChoice>,
     /// The luminance that light met by traced sight lines was compared with, if it was.

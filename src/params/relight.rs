@@ -189,7 +189,8 @@ choices! {
     /// Whether surfaces cast shadows in new light.
     #[derive(Default)]
     pub enum Shadows {
-        /// Photos, maps and heights do under a light below 45 degrees of elevation; renders with depth or light passes don't.
+        /// Photos, maps and heights do, of lamps below 45 degrees of elevation and of environments; renders with depth or light
+        /// passes don't.
         Auto = "auto" [default],
         /// Always.
         On = "on",
@@ -233,8 +234,10 @@ params! {
         /// With --samples auto, for 99 of 100 pixels of a surface of albedo 0.5: as many lights and samples as it takes.
         light_error: Option<f32> = None,
             flag: "--light-error", form: "LEVELS", group: Group::Light, valid: 0.1..=255.0, useful: by_factors(0.5, 16.0);
-        /// Whether the surface casts shadows in light that has a direction: lamps, not environments.
+        /// Whether the surface casts shadows in the light of lamps.
         shadows: Shadows = Shadows::Auto, flag: "--shadows", common: true, form: "WHEN", group: Group::Light;
+        /// Whether the surface hides light from all around from itself: that of environments, and ambient light.
+        sky_shadows: Shadows = Shadows::Auto, flag: "--sky-shadows", form: "WHEN", group: Group::Light;
         /// Width of a lamp as seen from the surface: the sun has 0.5 degrees. Wider lamps have softer shadows.
         ///
         /// Area lights have their own.
@@ -243,6 +246,11 @@ params! {
         /// Share of a lamp's light that is left in its shadows.
         shadow_fill: f32 = 0.12,
             flag: "--shadow-fill", form: "SHARE", group: Group::Light, valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        /// How thick surfaces are that hide others, in the unit of depth; auto is 0.15 of the size of what is seen.
+        ///
+        /// What stands in front of a background casts the shadow of a body as thick, seen along the sight line.
+        thickness: Adaptive = Adaptive::Auto,
+            flag: "--thickness", form: "LENGTH|auto", group: Group::Light, valid: LEVELS, useful: by_factors(0.01, 10.0);
         /// Light warping.
         warping: WarpingParams;
         /// Warped quantity: sampled lights, or each look-up into the environment.

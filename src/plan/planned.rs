@@ -200,7 +200,7 @@ impl Plan {
 
     /// Whether it takes the frame whole, and not in strips: for heights, skies, shadows, or light turned to the form.
     pub(crate) fn takes_whole(&self) -> bool {
-        let is_lit_whole = |lit: &Relighting| lit.casting.by.is_some() || lit.aligns || lit.rakes;
+        let is_lit_whole = |lit: &Relighting| lit.casting.any() || lit.aligns || lit.rakes;
         self.relighting.as_ref().is_some_and(is_lit_whole)
             || self.wanted.iter().any(|product| product.row().on_request)
     }

@@ -10,7 +10,7 @@ use eframe::egui::{self, Align, Button, ComboBox, Layout, RichText, Slider, Ui};
 const RECIPE: &str = "The settings, for relievo run";
 const PICTURE: &str = "The picture, as the command line writes it";
 const COMMAND: &str = "The command line that makes the same";
-const PRESETS: &str = "Drawings for kinds of subjects";
+const PRESETS: &str = "Drawings and light for kinds of subjects";
 const COMPARE: &str = "Left of the divider: without its shape brought out";
 const PROBE: &str = "Values under the pointer";
 

@@ -9,7 +9,7 @@ use crate::engine::outcome::Outcome;
 use crate::error::{Result, bad};
 use crate::frame::Frame;
 use crate::io::environment::{read_environment_within, read_lit_sphere_within};
-use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
+use crate::io::inputs::{Inputs, LightInputs, LobeChoice, NONE};
 use crate::io::{Needs, SpecularInputs};
 use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
@@ -78,7 +78,7 @@ impl Work for RelightArgs {
     }
 
     fn warnings_on(&self, frame: &Frame) -> Vec<String> {
-        self.unrisen(frame).collect()
+        self.unrisen(frame).chain(self.filled(frame)).collect()
     }
 
     fn add_lamp(&self, light: &mut Illumination) -> Option<String> {
@@ -133,8 +133,11 @@ impl Work for RelightArgs {
 impl RelightArgs {
     /// Files and layers to read for new light.
     pub(super) fn inputs(&self) -> Inputs {
+        let inputs = self.work.inputs();
+        let is_computed = self.work.roles.computes_occlusion();
         Inputs {
             albedo: self.surface.albedo.clone(),
+            occlusion: is_computed.then(|| NONE.into()).or(inputs.occlusion),
             light: Some(LightInputs {
                 lobes: LobeChoice::Off,
                 occlusion: self.dims_by_occlusion(),
@@ -142,7 +145,7 @@ impl RelightArgs {
                     && self.light.lit_sphere.is_empty(),
                 ..LightInputs::default()
             }),
-            ..self.work.inputs()
+            ..inputs
         }
     }
 }

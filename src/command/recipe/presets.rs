@@ -1,7 +1,7 @@
 //! Presets: recipes built into the program, one for each kind of subject.
 
 /// The names of presets and their texts.
-pub(crate) const PRESETS: [(&str, &str); 7] = [
+pub(crate) const PRESETS: [(&str, &str); 9] = [
     ("portrait", include_str!("presets/portrait.toml")),
     ("machine", include_str!("presets/machine.toml")),
     ("architecture", include_str!("presets/architecture.toml")),
@@ -9,6 +9,11 @@ pub(crate) const PRESETS: [(&str, &str); 7] = [
     ("inscription", include_str!("presets/inscription.toml")),
     ("coin", include_str!("presets/coin.toml")),
     ("landscape", include_str!("presets/landscape.toml")),
+    ("raking", include_str!("presets/raking.toml")),
+    (
+        "inscription-raking",
+        include_str!("presets/inscription-raking.toml"),
+    ),
 ];
 
 /// The preset of a name.

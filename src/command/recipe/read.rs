@@ -282,7 +282,12 @@ mod tests {
         for (name, text) in PRESETS {
             let preset = Recipe::read(Path::new(name)).unwrap();
             assert_eq!(preset, Recipe::parse(Path::new(name), text).unwrap());
-            assert_eq!(preset.command, "hatch");
+            let command = if name.ends_with("raking") {
+                "relight"
+            } else {
+                "hatch"
+            };
+            assert_eq!(preset.command, command, "{name}");
         }
         let folder = tempfile::tempdir().unwrap();
         let own = folder.path().join("coin");

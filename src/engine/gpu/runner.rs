@@ -131,8 +131,9 @@ impl Runner {
             if let Some(light) = light {
                 outcome.environment_gain = light.around.gain();
                 outcome.takes_picture = plan.relighting.is_some_and(|lit| lit.takes_picture());
-                let casting = plan.relighting.as_ref().map(|lit| lit.casting);
-                outcome.casts_shadows = casting.and_then(|casting| casting.choice());
+                if let Some(lit) = &plan.relighting {
+                    outcome.casts_shadows = lit.casting.choices();
+                }
                 outcome.light_choice = light.around.choice();
                 outcome.timings.splice(0..0, light.timings);
             }

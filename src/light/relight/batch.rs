@@ -5,7 +5,8 @@ use crate::light::alignment::{Detail, SIGMAS_PX};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
 use crate::light::relight::curvature::{Curvature, CurvatureRow};
 use crate::light::relight::scene::Scene;
-use crate::light::shadows::cast::{Shadowed, WHOLE};
+use crate::light::shadows::cast::WHOLE;
+use crate::light::shadows::horizons::{AZIMUTHS, HorizonLanes, Place, see_sky};
 use crate::light::sum::{LightSum, Sums};
 use glam::DVec3;
 use std::ops::Range;
@@ -59,6 +60,8 @@ pub(crate) struct Batch {
     /// Places of the normals at coarser scales, and the detail beyond each.
     pub(crate) coarse: [[Lanes; 2]; SCALES],
     pub(crate) details: [Detail; SCALES],
+    /// Elevations of horizons, for light from all around.
+    pub(crate) horizons: HorizonLanes,
     /// Points of the surface, for lights near it.
     pub(crate) points: [Lanes; 3],
     /// Directions to a light near the surface, and the share that arrives.
@@ -99,6 +102,7 @@ impl Batch {
             turn: [ZERO; 2],
             coarse: [[ZERO; 2]; SCALES],
             details: [Detail::NONE; SCALES],
+            horizons: [ZERO; AZIMUTHS],
             points: [ZERO; 3],
             near: ([ZERO; 3], ZERO),
             toward: [ZERO; 3],
@@ -212,6 +216,9 @@ impl Batch {
                 copy(y, &from.y);
             }
         }
+        if let Some(horizons) = &scene.shadows.horizons {
+            horizons.copy_to(&mut self.horizons, lanes.start, (y, columns.clone()));
+        }
         if let Some([eye_x, eye_y]) = &scene.eye {
             let [x_lanes, y_lanes, _] = &mut self.pixels.to_eye.vector;
             x_lanes[lanes.clone()].copy_from_slice(&eye_x[columns.clone()]);
@@ -266,13 +273,39 @@ impl Batch {
         }
     }
 
-    /// Sets the light that arrives to what does of a lamp with shadows.
-    pub(crate) fn face_shadowed(&mut self, shadowed: &Shadowed) {
-        self.face(shadowed.light.to_light.to_array());
+    /// Takes off what horizons hide of light from this direction.
+    #[inline(always)]
+    pub(crate) fn hide(&mut self, direction: [f32; 3]) {
+        Place::of(direction).hide(&self.horizons, &mut self.near.1);
+    }
+
+    /// Takes off what horizons hide of light that was looked up for this direction.
+    #[inline(always)]
+    pub(crate) fn hide_looked_up(&mut self, direction: [f32; 3]) {
+        self.face(direction);
+        self.hide(direction);
+        for channel in &mut self.looked_up {
+            let pairs = channel.iter_mut().zip(&self.near.1);
+            pairs.for_each(|(light, share)| *light *= share);
+        }
+    }
+
+    /// Takes what horizons leave of an even sky for the occlusion.
+    #[inline(always)]
+    pub(crate) fn find_sky(&mut self) {
+        see_sky(
+            &self.horizons,
+            &self.pixels.normal.vector,
+            &mut self.occlusion,
+        );
+    }
+
+    /// Takes off what does not arrive of the light of a lamp.
+    pub(crate) fn shade(&mut self, share: &Plane<u16>) {
         for Piece { y, columns, lane } in &self.pieces {
-            let shares = &shadowed.share.row(*y)[columns.clone()];
+            let shares = &share.row(*y)[columns.clone()];
             let lanes = self.near.1[*lane..].iter_mut().zip(shares);
-            lanes.for_each(|(light, &share)| *light = f32::from(share) / WHOLE);
+            lanes.for_each(|(light, &share)| *light *= f32::from(share) / WHOLE);
         }
     }
 

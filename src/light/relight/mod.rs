@@ -63,7 +63,7 @@ pub(crate) fn relight(run: &mut Execution) {
     }
     run.outcome.environment_gain = around.gain();
     run.outcome.takes_picture = relighting.takes_picture();
-    run.outcome.casts_shadows = relighting.casting.choice();
+    run.outcome.casts_shadows = relighting.casting.choices();
     run.outcome.light_choice = around.choice();
     let normals = run.normals.take();
     let normal = normals.as_ref().unwrap_or(&frame.normal);
@@ -92,7 +92,7 @@ pub(crate) fn relight(run: &mut Execution) {
     run.outcome.middle_light = mirrors
         .as_ref()
         .and_then(|mirrors| mirrors.intensity.middle());
-    let shadowed = cast(run);
+    let shadows = cast(run, normal);
     if memory.is_cancelled() {
         return;
     }
@@ -139,11 +139,11 @@ pub(crate) fn relight(run: &mut Execution) {
             || around.is_mirrored()
             || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
-        lights: match shadowed {
-            Some(_) => Vec::new(),
-            None => Directed::all(&illumination.directional),
+        lights: match relighting.casting.lamps.is_cast {
+            true => Vec::new(),
+            false => Directed::all(&illumination.directional),
         },
-        shadowed: shadowed.unwrap_or_default(),
+        shadows: shadows.unwrap_or_default(),
         around_lights: Directed::all(around.lights()),
         base_lights: Directed::all(around.base_lights()),
         turns,

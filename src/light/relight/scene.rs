@@ -6,7 +6,7 @@ use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::mirrors::Mirrors;
-use crate::light::shadows::cast::Shadowed;
+use crate::light::shadows::cast::Shadows;
 use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::Relighting;
@@ -38,8 +38,8 @@ pub(crate) struct Scene<'a> {
     /// Whether anything adds to specular light.
     pub(super) is_glossy: bool,
     pub(super) lights: Vec<Directed>,
-    /// Those that cast shadows, in place of them.
-    pub(super) shadowed: Vec<Shadowed>,
+    /// Lamps that cast shadows; those far away are in place of these lights.
+    pub(super) shadows: Shadows,
     /// The lights that stand for the environment.
     pub(super) around_lights: Vec<Directed>,
     /// Those that stand for its diffuse light alone.

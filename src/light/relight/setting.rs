@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::intensity::White;
 use crate::light::lights::LightKinds;
-use crate::light::shadows::casting::{Caster, Casting};
+use crate::light::shadows::casting::{Caster, Casters, Casting};
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Magnitude, Material, Raking, RelightParams, Samples, ScalingParams,
     Tangent, WarpBy,
@@ -127,21 +127,28 @@ impl Relighting {
         let scales = params.method.scales() && strongest > 0.0;
         let rakes = params.raking == Raking::Best;
         let aligns = params.method.aligns() && params.align > 0.0;
+        let lights = kinds.directional || kinds.points;
+        let reflects = !params.material.material.shows_surroundings() && kinds.lit_spheres == 0;
+        let casters = Casters {
+            lamps: reflects && lights,
+            rakes,
+            sky: reflects && (kinds.environment || params.material.ambient > 0.0),
+            environment: kinds.environment,
+        };
+        let casting = Casting::new(&params, available, casters)?;
         let environment = match kinds.environment && kinds.lit_spheres == 0 {
             true => environment_use(
                 &params,
-                (warps, aligns),
+                (warps, aligns, casting.sky.is_cast),
                 (scales, scaling.anisotropy != 0.0),
             )?,
             false => EnvironmentUse::None,
         };
-        let lights = kinds.directional || kinds.points;
         let sampled = matches!(
             environment,
             EnvironmentUse::Lights(_) | EnvironmentUse::ToError(_) | EnvironmentUse::Lookups(_)
         );
-        let reflects = !params.material.material.shows_surroundings();
-        let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
+        let sums = reflects && (lights || sampled);
         let coat = params.material.coat;
         let albedo = albedo(&params, available)?;
         Ok(Self {
@@ -160,8 +167,10 @@ impl Relighting {
             near: kinds.points,
             environment,
             lit_spheres: kinds.lit_spheres,
-            traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
-            casting: Casting::new(&params, available, sums && lights, rakes)?,
+            traced: params.material.material.shows_surroundings()
+                && kinds.lit_spheres == 0
+                && available.specular.is_some(),
+            casting,
             white: White::given(scaling.white_level, params.middle_light),
             albedo,
             gloss: available.gloss
@@ -180,7 +189,7 @@ impl Relighting {
 
     /// Whether shadows are cast by the height that the normals tell.
     pub(crate) fn casts_from_normals(&self) -> bool {
-        self.casting.by == Some(Caster::Normals)
+        self.casting.any() && self.casting.by == Caster::Normals
     }
 
     /// Whether the full Hessian is needed rather than its trace.
@@ -287,7 +296,7 @@ fn refuse_what_lacks(params: &RelightParams, available: Available) -> Result<()>
 /// The cheapest use of the environment that material and method allow, unless one was given.
 fn environment_use(
     params: &RelightParams,
-    (warps, aligns): (bool, bool),
+    (warps, aligns, is_hidden): (bool, bool, bool),
     (scales, is_anisotropic): (bool, bool),
 ) -> Result<EnvironmentUse> {
     let material = params.material.material;
@@ -318,7 +327,9 @@ fn environment_use(
         Samples::Fixed(count) => EnvironmentUse::Lights(count),
         Samples::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
         Samples::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
-        Samples::Auto if can_prefilter && !warps && !aligns => EnvironmentUse::Prefiltered,
+        Samples::Auto if can_prefilter && !warps && !aligns && !is_hidden => {
+            EnvironmentUse::Prefiltered
+        }
         // The curves of samples do not depend on their directions.
         Samples::Auto if toward_light && is_glossy => EnvironmentUse::Lights(AUTO_SAMPLES),
         Samples::Auto => EnvironmentUse::ToError(ToError {
@@ -326,7 +337,7 @@ fn environment_use(
                 true => COAT_ERROR,
                 false => DIFFUSE_ERROR,
             }),
-            apart: warps || scales || aligns,
+            apart: warps || scales || aligns || is_hidden,
             glossy: is_glossy,
             warp: if warps { params.warping.warp } else { 0.0 },
         }),

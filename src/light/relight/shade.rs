@@ -13,7 +13,8 @@ use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
 use crate::light::relight::scene::{Aligned, Scene};
-use crate::light::sum::{Shading, Sums};
+use crate::light::shadows::cast::Shadowed;
+use crate::light::sum::{Directed, Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::{Magnitude, Tangent};
 use crate::plan::Albedo;
@@ -41,6 +42,9 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     let relighting = scene.relighting;
     if scene.eye.is_some() {
         normalise_eyes(batch);
+    }
+    if scene.shadows.horizons.is_some() {
+        batch.find_sky();
     }
     if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
         demodulate(batch, scene.gloss.is_some());
@@ -95,7 +99,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     }
     let around = &scene.around;
     let lights = scene.lights.len()
-        + scene.shadowed.len()
+        + scene.shadows.far.len()
         + scene.around_lights.len()
         + scene.base_lights.len();
     let directions = lights + around.even_directions().len();
@@ -234,9 +238,11 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     }
     // Light from all around comes first: occlusion dims only that.
     let sampled = scene.around.sampled();
-    let base = sampled.map(|_| &scene.base_lights[..]);
-    let Batch { pixels, sum, .. } = batch;
-    sum.add_around(fma, pixels, shading, (&scene.around_lights, base));
+    add_around(fma, batch, scene, shading, &scene.around_lights);
+    if sampled.is_some() {
+        batch.sum.sums.diffuse = Sums::NONE.diffuse;
+        add_around(fma, batch, scene, &shading.diffuse(), &scene.base_lights);
+    }
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
             let direction = direction.to_array();
@@ -244,6 +250,9 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
                 continue;
             }
             look_even_up(batch, scene, environment, direction, share);
+            if scene.shadows.horizons.is_some() {
+                batch.hide_looked_up(direction);
+            }
             let Batch {
                 pixels,
                 sum,
@@ -253,12 +262,32 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
             sum.add_looked_up(pixels, shading, direction, looked_up);
         }
     }
-    if scene.frame.light.occlusion.is_some() {
-        batch.sum.dim(&batch.occlusion);
-    }
+    dim(batch, scene);
     add_lamps(fma, batch, scene, shading);
     if let Some(sampled) = sampled {
         sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
+    }
+}
+
+/// Adds lights that stand for an environment, less what horizons hide of each.
+#[inline(always)]
+fn add_around(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, lights: &[Directed]) {
+    if scene.shadows.horizons.is_none() {
+        batch.sum.add_directed(fma, &batch.pixels, shading, lights);
+        return;
+    }
+    for light in lights {
+        batch.face(light.direction);
+        batch.hide(light.direction);
+        add_arriving(batch, shading, light.intensity);
+    }
+}
+
+/// Takes what a layer of occlusion hides off the diffuse light added so far, unless horizons have.
+#[inline(always)]
+fn dim(batch: &mut Batch, scene: &Scene) {
+    if scene.frame.light.occlusion.is_some() && scene.shadows.horizons.is_none() {
+        batch.sum.dim(&batch.occlusion);
     }
 }
 
@@ -267,8 +296,7 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
 fn add_turned(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, aligned: &Aligned) {
     let sampled = scene.around.sampled();
     if shading.lobes.are_glossy() {
-        let Batch { pixels, sum, .. } = batch;
-        sum.add_directed(fma, pixels, shading, &scene.around_lights);
+        add_around(fma, batch, scene, shading, &scene.around_lights);
         add_lamps(fma, batch, scene, shading);
         if let Some(sampled) = sampled {
             sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
@@ -282,26 +310,15 @@ fn add_turned(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, al
     let diffuse = &shading.diffuse();
     for light in around {
         batch.face(light.direction);
-        turn_and_add(batch, diffuse, aligned, light.intensity);
-    }
-    if scene.frame.light.occlusion.is_some() {
-        batch.sum.dim(&batch.occlusion);
-    }
-    for light in &scene.lights {
-        batch.face(light.direction);
-        if scene.turns.is_some() {
-            batch.rake();
+        if scene.shadows.horizons.is_some() {
+            batch.hide(light.direction);
         }
         turn_and_add(batch, diffuse, aligned, light.intensity);
     }
-    for shadowed in &scene.shadowed {
-        batch.face_shadowed(shadowed);
-        turn_and_add(batch, diffuse, aligned, shadowed.light.intensity);
-    }
-    for point in scene.points {
-        approach(batch, point.position.to_array());
-        turn_and_add(batch, diffuse, aligned, point.intensity);
-    }
+    dim(batch, scene);
+    each_lamp(batch, scene, &scene.lights, |batch, intensity| {
+        turn_and_add(batch, diffuse, aligned, intensity);
+    });
 }
 
 /// Adds the light that arrives from `near`, turned from the coarsest scale to the finest.
@@ -349,29 +366,51 @@ pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &Scene) -> [f6
 /// Adds lights far away and near, and completes the sum.
 #[inline(always)]
 fn add_lamps(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading) {
-    if scene.turns.is_some() {
-        for light in &scene.lights {
-            batch.face(light.direction);
-            batch.rake();
-            add_arriving(batch, shading, light.intensity);
+    let one_by_one = match scene.turns {
+        Some(_) => scene.lights.as_slice(),
+        None => {
+            batch
+                .sum
+                .add_directed(fma, &batch.pixels, shading, &scene.lights);
+            &[]
         }
-    } else {
-        batch
-            .sum
-            .add_directed(fma, &batch.pixels, shading, &scene.lights);
-    }
-    for shadowed in &scene.shadowed {
-        batch.face_shadowed(shadowed);
-        add_arriving(batch, shading, shadowed.light.intensity);
-    }
-    for point in scene.points {
-        approach(batch, point.position.to_array());
-        add_arriving(batch, shading, point.intensity);
-    }
+    };
+    each_lamp(batch, scene, one_by_one, |batch, intensity| {
+        add_arriving(batch, shading, intensity);
+    });
     batch.sum.finish(&batch.pixels, shading);
 }
 
-/// Adds the light that arrives from `near`.
+/// Lets the light of each lamp arrive in turn, less its shadows, and adds it: of `lights` far away, and of all others.
+#[inline(always)]
+fn each_lamp(
+    batch: &mut Batch,
+    scene: &Scene,
+    lights: &[Directed],
+    mut add: impl FnMut(&mut Batch, [f32; 3]),
+) {
+    for light in lights {
+        batch.face(light.direction);
+        if scene.turns.is_some() {
+            batch.rake();
+        }
+        add(batch, light.intensity);
+    }
+    for Shadowed { light, share } in &scene.shadows.far {
+        batch.face(light.to_light.to_array());
+        batch.shade(share);
+        add(batch, light.intensity);
+    }
+    for (i, point) in scene.points.iter().enumerate() {
+        approach(batch, point.position.to_array());
+        if let Some(share) = scene.shadows.near.get(i) {
+            batch.shade(share);
+        }
+        add(batch, point.intensity);
+    }
+}
+
+/// Adds the light that arrives.
 #[inline(always)]
 fn add_arriving(batch: &mut Batch, shading: &Shading, intensity: [f32; 3]) {
     let Batch {

@@ -115,7 +115,7 @@ pub(crate) static RELIGHT: Stage = Stage {
 
 /// How far samples reach that light is turned by, or shadowed.
 fn reach(plan: &Plan, relighting: &Relighting) -> usize {
-    if relighting.casting.by.is_some() {
+    if relighting.casting.any() {
         return SHADOW_REACH;
     }
     let aligned = match relighting.aligns {
@@ -153,7 +153,7 @@ fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
 fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
     match relighting.environment {
         _ if relighting.traced => Some("mirrors and lenses that show what is traced"),
-        _ if relighting.casting.by.is_some() => Some("shadows"),
+        _ if relighting.casting.any() => Some("shadows"),
         _ if relighting.grain => Some("a grain along the curvature"),
         _ if relighting.rakes => Some("lamps turned by region"),
         _ if relighting.aligns => Some("light turned to the form"),
@@ -168,7 +168,7 @@ fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
 /// Whether new light casts shadows.
 fn casts(plan: &Plan) -> bool {
     let relighting = plan.relighting.as_ref();
-    relighting.is_some_and(|relighting| relighting.casting.by.is_some())
+    relighting.is_some_and(|relighting| relighting.casting.any())
 }
 
 fn in_new_light(plan: &Plan, decide: fn(&Relighting) -> Verdict) -> Verdict {
@@ -222,8 +222,11 @@ fn environment_prefilter(relighting: &Relighting) -> Verdict {
 }
 
 fn shadows(relighting: &Relighting) -> Verdict {
-    let Casting { by, why, .. } = relighting.casting;
-    runs_if(by.is_some(), why, why)
+    let Casting { lamps, sky, .. } = relighting.casting;
+    match lamps.is_cast || !sky.is_cast {
+        true => runs_if(lamps.is_cast, lamps.why, lamps.why),
+        false => Verdict::runs(sky.why),
+    }
 }
 
 fn warping(relighting: &Relighting) -> Verdict {

@@ -1,52 +1,177 @@
 //! From a frame in new light to the shadows in it.
 
 use super::casting::Caster;
+use super::horizons::Horizons;
+use super::march::{Place, Relief};
 use super::{Lamp, longest_px, shares};
 use crate::engine::cpu::execution::Execution;
-use crate::frame::{Frame, Plane, SightLines};
+use crate::frame::{Frame, Plane, SightLines, Vector3Planes, Window};
 use crate::kernel::memory::Memory;
 use crate::light::lights::{DirectionalLight, Illumination};
-use crate::params::RelightParams;
+use crate::params::{Adaptive, RelightParams};
 use crate::plan::Plan;
-use crate::plan::planned::Tile;
 use crate::shape::occlusion::cpu::in_pixels;
+use std::borrow::Cow;
+
+/// What arrives of the light of lamps, of [`WHOLE`].
+#[derive(Default)]
+pub(crate) struct Shadows {
+    /// Of lamps far away.
+    pub(crate) far: Vec<Shadowed>,
+    /// Of lamps near the surface, in their order.
+    pub(crate) near: Vec<Plane<u16>>,
+    /// What hides light from all around.
+    pub(crate) horizons: Option<Horizons>,
+}
 
 /// A lamp and what arrives of its light.
 pub(crate) struct Shadowed {
     pub(crate) light: DirectionalLight,
-    /// The share of its light at each pixel, of [`WHOLE`].
+    /// By pixel.
     pub(crate) share: Plane<u16>,
 }
 
 /// A share of 1.
 pub(crate) const WHOLE: f32 = 65_535.0;
 
-/// What arrives of the light of each lamp far away, if shadows are cast.
-pub(crate) fn cast(run: &mut Execution) -> Option<Vec<Shadowed>> {
-    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let relighting = plan.relighting.as_ref()?;
-    let caster = relighting.casting.by?;
-    let illumination = run.inputs.illumination?;
+/// What arrives on surfaces with these normals of the light that casts shadows, if any does.
+pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<Shadows> {
+    let relighting = run.plan.relighting.as_ref()?;
+    let (casting, params) = (&relighting.casting, &relighting.params);
+    let illumination = run.inputs.illumination.filter(|_| casting.any())?;
     let own = run.outcome.shape.height.take();
-    let shadowed = run.timed("shadows", || {
-        let height = match (caster, &own) {
-            (Caster::Normals, Some(height)) => in_pixels(height, frame),
-            _ => heights_of_depth(frame),
+    let shadows = run.timed("shadows", || {
+        let surface = Surface::new(run.frame, run.plan, own.as_ref());
+        let lamps = match casting.lamps.is_cast {
+            true => surface.shadows_of_lamps(illumination, params, normal, run.memory),
+            false => Shadows::default(),
         };
-        lamps(illumination, &relighting.params)
-            .map(|(light, lamp)| {
-                let seen = over_frame(&height, &lamp, (plan, frame), memory);
-                let fill = relighting.params.shadow_fill;
-                let arrives = |seen: f32| (WHOLE * (fill + (1.0 - fill) * seen)).round() as u16;
-                Shadowed {
-                    light,
-                    share: seen.map(arrives),
-                }
-            })
-            .collect()
+        Shadows {
+            horizons: casting.sky.is_cast.then(|| surface.horizons()),
+            ..lamps
+        }
     });
     run.outcome.shape.height = own;
-    Some(shadowed)
+    Some(shadows)
+}
+
+/// A surface that casts shadows.
+struct Surface<'a> {
+    frame: &'a Frame,
+    plan: &'a Plan,
+    by: Caster,
+    /// In pixels.
+    height: Plane,
+    /// Pixels are so many times as wide as high.
+    pixel_shape: f32,
+}
+
+impl<'a> Surface<'a> {
+    /// Of a frame; `height` is what its normals tell.
+    fn new(frame: &'a Frame, plan: &'a Plan, height: Option<&Plane>) -> Self {
+        let relighting = plan.relighting.as_ref().expect("shadows are of new light");
+        let by = relighting.casting.by;
+        Self {
+            frame,
+            plan,
+            by,
+            height: match (by, height) {
+                (Caster::Normals, Some(height)) => in_pixels(height, frame),
+                _ => heights_of_depth(frame),
+            },
+            pixel_shape: SightLines::of(frame).pixel_shape().abs() as f32,
+        }
+    }
+
+    /// The shadows of lamps far away and near.
+    fn shadows_of_lamps(
+        &self,
+        illumination: &Illumination,
+        params: &RelightParams,
+        normal: &Vector3Planes,
+        memory: &Memory,
+    ) -> Shadows {
+        let fill = params.shadow_fill;
+        let arrives = |seen: f32| (WHOLE * (fill + (1.0 - fill) * seen)).round() as u16;
+        let is_marched = self.by == Caster::Depth || !illumination.points.is_empty();
+        let relief = is_marched.then(|| Relief::new(self.frame, thickness(params)));
+        let far = lamps(illumination, params).map(|(light, lamp)| {
+            let seen = match (self.by, &relief) {
+                (Caster::Depth, Some(relief)) => relief.shares(&Place::Far(lamp), normal, memory),
+                _ => {
+                    let around = self.around(|height| longest_px(height, &lamp));
+                    around.cut(shares(&around.height, &lamp, self.pixel_shape, memory))
+                }
+            };
+            Shadowed {
+                light,
+                share: seen.map(arrives),
+            }
+        });
+        let radius = 0.5 * f64::from(params.light_size).to_radians();
+        let near = relief.iter().flat_map(|relief| {
+            illumination.points.iter().map(move |point| {
+                let place = Place::Near(point.position.as_dvec3(), radius);
+                relief.shares(&place, normal, memory).map(arrives)
+            })
+        });
+        Shadows {
+            far: far.collect(),
+            near: near.collect(),
+            horizons: None,
+        }
+    }
+
+    /// What hides light from all around.
+    fn horizons(&self) -> Horizons {
+        let around = self.around(|_| f32::MAX);
+        let found = Horizons::of(&around.height, self.pixel_shape);
+        found.mapped(|plane| around.cut(plane))
+    }
+
+    /// The heights; those that repeat a tile as the tile, with as much of its repetition as shadows are long, but no more than
+    /// once to every side.
+    fn around(&self, longest_px: impl Fn(&Plane) -> f32) -> Around<'_> {
+        let Some(tile) = self.plan.tile else {
+            return Around {
+                height: Cow::Borrowed(&self.height),
+                windows: None,
+            };
+        };
+        let (window, whole) = (tile.window, self.frame.data_window);
+        let own = self.height.crop(whole, window);
+        let most = window.width().max(window.height());
+        let grown = tile.grown(longest_px(&own).min(most as f32).ceil() as usize);
+        Around {
+            height: Cow::Owned(own.repeated(window, grown)),
+            windows: Some([grown, window, whole]),
+        }
+    }
+}
+
+/// Heights to be swept.
+struct Around<'a> {
+    height: Cow<'a, Plane>,
+    /// Those of a tile with some of its repetition, of the tile, and of the frame that repeats it.
+    windows: Option<[Window; 3]>,
+}
+
+impl Around<'_> {
+    /// What was found over these heights, over the frame.
+    fn cut<T: Copy>(&self, found: Plane<T>) -> Plane<T> {
+        match self.windows {
+            Some([grown, window, whole]) => found.crop(grown, window).repeated(window, whole),
+            None => found,
+        }
+    }
+}
+
+/// The thickness of surfaces, if it is given.
+fn thickness(params: &RelightParams) -> Option<f32> {
+    match params.thickness {
+        Adaptive::Auto => None,
+        Adaptive::Fixed(thickness) => Some(thickness),
+    }
 }
 
 /// The lamps far away.
@@ -58,27 +183,6 @@ fn lamps<'i>(
     let widths = widths.chain(std::iter::repeat(None));
     let lights = illumination.directional.iter().zip(widths);
     lights.map(|(light, width)| (*light, Lamp::of(light, width.unwrap_or(params.light_size))))
-}
-
-/// The share of a lamp seen from each pixel of a frame. One that repeats a tile is swept as the tile, with as much of its
-/// repetition as shadows are long, but no more than once to every side.
-fn over_frame(
-    height: &Plane,
-    lamp: &Lamp,
-    (plan, frame): (&Plan, &Frame),
-    memory: &Memory,
-) -> Plane {
-    let shape = SightLines::of(frame).pixel_shape().abs() as f32;
-    let Some(Tile { window, .. }) = plan.tile else {
-        return shares(height, lamp, shape, memory);
-    };
-    let tile = height.crop(frame.data_window, window);
-    let most = window.width().max(window.height());
-    let reach = longest_px(&tile, lamp).min(most as f32).ceil() as usize;
-    let around = plan.tile.map_or(window, |tile| tile.grown(reach));
-    let seen = shares(&tile.repeated(window, around), lamp, shape, memory);
-    seen.crop(around, window)
-        .repeated(window, frame.data_window)
 }
 
 /// Heights in pixels as depth tells them; in perspective at the distance of each pixel.

@@ -1,6 +1,7 @@
 //! A round lamp far away, and chords of it.
 
 use crate::light::lights::DirectionalLight;
+use glam::DVec3;
 
 /// Slopes are taken no larger: lamps at the zenith have a finite one.
 const STEEPEST: f64 = 1e6;
@@ -41,6 +42,16 @@ impl Lamp {
             elevation: to.z.atan2(to.x.hypot(to.y)),
             radius: 0.5 * f64::from(width_deg).to_radians(),
         }
+    }
+
+    /// The unit direction to it.
+    pub(super) fn direction(&self) -> DVec3 {
+        let across = self.elevation.cos();
+        DVec3::new(
+            across * self.azimuth.cos(),
+            across * self.azimuth.sin(),
+            self.elevation.sin(),
+        )
     }
 
     /// So many chords side by side; one is the whole lamp.

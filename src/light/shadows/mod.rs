@@ -10,7 +10,9 @@
 
 pub(crate) mod cast;
 pub(crate) mod casting;
+pub(crate) mod horizons;
 mod lamp;
+mod march;
 mod sweep;
 
 use crate::frame::Plane;

@@ -51,7 +51,7 @@ impl Way {
     }
 
     /// A turned plane as it was.
-    pub(super) fn turned_back(self, plane: Plane) -> Plane {
+    pub(super) fn turned_back<T: Copy + Default + Send + Sync>(self, plane: Plane<T>) -> Plane<T> {
         let plane = self.mirrored(plane);
         match self.is_transposed {
             true => transposed(&plane),
@@ -59,7 +59,7 @@ impl Way {
         }
     }
 
-    fn mirrored(self, mut plane: Plane) -> Plane {
+    fn mirrored<T: Copy + Send>(self, mut plane: Plane<T>) -> Plane<T> {
         if self.is_mirrored {
             plane.each_row(|_, row| row.reverse());
         }
@@ -70,9 +70,9 @@ impl Way {
 /// Pixels on a side of the squares that are transposed together.
 const SQUARE: usize = 16;
 
-fn transposed(plane: &Plane) -> Plane {
+fn transposed<T: Copy + Default + Send + Sync>(plane: &Plane<T>) -> Plane<T> {
     let (width, height) = (plane.width(), plane.height());
-    let mut turned = Plane::filled(height, width, 0.0);
+    let mut turned = Plane::filled(height, width, T::default());
     let bands = turned
         .samples_mut()
         .par_chunks_mut((SQUARE * height).max(1));
@@ -230,6 +230,13 @@ impl Course {
         }
     }
 
+    /// The columns in which a line is on the last row: nothing is below.
+    fn on_last_row(&self, line: usize) -> impl Iterator<Item = usize> + '_ {
+        let down = (2 * self.rows - 1 - line) % self.rows;
+        let columns = self.down.iter().enumerate();
+        columns.filter_map(move |(x, &own)| (own == down).then_some(x))
+    }
+
     /// The columns between which a line leaves the picture.
     fn stretches(&self, line: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let leaves = move |x: &usize| {
@@ -272,6 +279,9 @@ impl Course {
 
 /// A line being swept.
 struct Sweep {
+    /// Heights and tilts of the pixels on the rows that the next line has for its upper ones, and which line that is.
+    next: [Vec<f32>; 2],
+    next_line: Option<usize>,
     /// Heights of the upper and lower pixels, between them, and where a line has just passed through a row.
     heights: [Vec<f32>; 4],
     /// Heights at which the line passes the planes of the upper and the lower pixels: those they look from.
@@ -288,6 +298,8 @@ impl Sweep {
     fn new(width: usize) -> Self {
         let row = || vec![0.0; width];
         Self {
+            next: [row(), row()],
+            next_line: None,
             heights: [row(), row(), row(), vec![NOTHING; width]],
             eyes: [row(), row()],
             upper: row(),
@@ -300,17 +312,28 @@ impl Sweep {
     /// Sweeps a line.
     fn go(&mut self, course: &Course, [height, tilts]: [&Plane; 2], line: usize) {
         let [upper, lower, between, crossed] = &mut self.heights;
-        let (samples, tilts) = (height.samples(), tilts.samples());
-        let width = height.width();
+        let [next, next_tilts] = &mut self.next;
         let [from_upper, from_lower] = &mut self.eyes;
-        for x in 0..width {
-            let at = course.row(line, x) * width + x;
-            let below = at + width;
-            let share = course.share[x];
-            upper[x] = samples[at];
-            from_upper[x] = upper[x] + share * tilts[at];
-            lower[x] = samples.get(below).copied().unwrap_or(NOTHING);
-            from_lower[x] = lower[x] - (1.0 - share) * tilts.get(below).copied().unwrap_or(0.0);
+        let gather = |to: &mut [f32], plane: &Plane, line: usize| {
+            let (samples, width) = (plane.samples(), plane.width());
+            for (x, to) in to.iter_mut().enumerate() {
+                *to = samples[course.row(line, x) * width + x];
+            }
+        };
+        if self.next_line != Some(line) {
+            gather(next, height, line);
+            gather(next_tilts, tilts, line);
+        }
+        upper.copy_from_slice(next);
+        let share = &course.share[..];
+        wide!(pass_planes(from_upper, [upper, next_tilts, share], 0.0));
+        gather(next, height, line + 1);
+        gather(next_tilts, tilts, line + 1);
+        self.next_line = Some(line + 1);
+        lower.copy_from_slice(next);
+        wide!(pass_planes(from_lower, [lower, next_tilts, share], 1.0));
+        for x in course.on_last_row(line) {
+            (lower[x], from_lower[x]) = (NOTHING, NOTHING);
         }
         wide!(between_rows(
             between,
@@ -339,6 +362,16 @@ impl Sweep {
             let slopes = [&mut self.upper[..], &mut self.below[..]];
             pass(&mut self.hull, course, columns, heights, slopes);
         }
+    }
+}
+
+/// Heights at which a line passes the planes of pixels, `rows` below it, from their heights, tilts and its share.
+#[inline(always)]
+fn pass_planes(eyes: &mut [f32], [heights, tilts, share]: [&[f32]; 3], rows: f32) {
+    let n = eyes.len();
+    let (heights, tilts, share) = (&heights[..n], &tilts[..n], &share[..n]);
+    for x in 0..n {
+        eyes[x] = heights[x] + (share[x] - rows) * tilts[x];
     }
 }
 

@@ -1,6 +1,10 @@
+use super::horizons::{AZIMUTHS, Horizons};
+use super::march::{Place, Relief};
 use super::*;
-use crate::frame::Mask;
+use crate::frame::{Frame, Mask, Vector3Planes};
+use crate::light::batch::BATCH;
 use crate::light::lights::{DirectionalLight, direction_of};
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// The share of a lamp this wide seen over these heights.
@@ -184,4 +188,95 @@ fn what_is_outside_the_surface_casts_nothing() {
         let mut ground = (0..40).flat_map(|y| (0..40).map(move |x| [x, y]));
         assert!(ground.all(|[x, y]| with_hole.at(x, y) == NOTHING || shares.at(x, y) > 0.999));
     }
+}
+
+#[test]
+fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
+    // A slab 20 pixels wide, its front 40 above the ground and its back 30, under light from the left at 45 degrees: the ray
+    // to a pixel d beyond it passes over it at heights d to d + 20.
+    let (width, rows, edge) = (140, 3, 60);
+    let depth = Plane::from_fn(width, rows, |x, _| {
+        if (40..=edge).contains(&x) {
+            60.0
+        } else {
+            100.0
+        }
+    });
+    let normal = Vector3Planes::from_fn(width, rows, |_, _| DVec3::Z);
+    let mut frame = Frame::of_normals(normal.clone(), Mask::full(width, rows));
+    frame.depth = Some(depth);
+    let lamp = Lamp::of(&DirectionalLight::white([180.0, 45.0]), 0.0);
+    let near = DVec3::new(-1e6, -1.5, 1e6);
+    for (thickness, from) in [(10.0, 10), (1e6, 1)] {
+        let relief = Relief::new(&frame, Some(thickness));
+        for place in [Place::Far(lamp), Place::Near(near, 0.0)] {
+            let shares = relief.shares(&place, &normal, &Memory::default());
+            for d in 1..width - 1 - edge {
+                let is_lit = shares.at(edge + d, 1) > 0.5;
+                // At the ends of the shadow the ray touches an edge.
+                let expected = d < from || d > 40;
+                assert!(
+                    d == from || d == 40 || is_lit == expected,
+                    "{thickness}, {d}"
+                );
+            }
+            assert!((0..=edge).all(|x| shares.at(x, 1) > 0.5));
+        }
+    }
+}
+
+/// The share of a light in each of these directions that a pixel sees over these heights, and of the sky.
+fn seen_from(heights: &Plane, [x, y]: [usize; 2], directions: &[[f32; 3]]) -> (Vec<f32>, f32) {
+    let horizons = Horizons::of(heights, 1.0);
+    let mut lanes = [[0.0; BATCH]; AZIMUTHS];
+    horizons.copy_to(&mut lanes, 0, (y, x..x + 1));
+    let seen = directions.iter().map(|direction| {
+        let mut light = [1.0; BATCH];
+        horizons::Place::of(*direction).hide(&lanes, &mut light);
+        light[0]
+    });
+    let normals = [[0.0; BATCH], [0.0; BATCH], [1.0; BATCH]];
+    let mut sky = [0.0; BATCH];
+    horizons::see_sky(&lanes, &normals, &mut sky);
+    (seen.collect(), sky[0])
+}
+
+#[test]
+fn a_trench_hides_the_sky_but_for_its_opening() {
+    // From the middle of the floor of a trench 41 pixels wide and h deep an even sky is seen as far as sin(atan(20.5 / h)), and
+    // lights at right angles to it from just over the elevation of its edge, lights along it from just over the ground.
+    let side = 301;
+    for (depth, opening) in [(20.5_f32, 0.5_f32.sqrt()), (41.0, 0.2_f32.sqrt())] {
+        let is_floor = |x: usize| x.abs_diff(side / 2) <= 20;
+        let heights = Plane::from_fn(side, side, |x, _| if is_floor(x) { 0.0 } else { depth });
+        let edge = (depth / 20.5).atan();
+        let toward = |azimuth: f32, elevation: f32| {
+            let (sine, cosine) = elevation.sin_cos();
+            [cosine * azimuth.cos(), cosine * azimuth.sin(), sine]
+        };
+        let apart = 0.15;
+        let directions = [
+            toward(0.0, edge + apart),
+            toward(0.0, edge - apart),
+            toward(PI as f32, edge - apart),
+            toward(0.5 * PI as f32, apart),
+        ];
+        let (seen, sky) = seen_from(&heights, [side / 2; 2], &directions);
+        assert_eq!(seen, [1.0, 0.0, 0.0, 1.0]);
+        assert!(
+            (sky - opening).abs() < 0.02,
+            "{depth}: {sky}, not {opening}"
+        );
+    }
+}
+
+#[test]
+fn flat_ground_sees_all_of_the_sky() {
+    let (seen, sky) = seen_from(
+        &Plane::filled(64, 48, 3.0),
+        [20, 30],
+        &[[0.0, 0.0, 1.0], [0.9, 0.0, 0.2]],
+    );
+    assert_eq!(seen, [1.0; 2]);
+    assert!((sky - 1.0).abs() < 1e-3, "{sky}");
 }

@@ -222,23 +222,6 @@ impl LightSum {
         self.sums.add(&self.terms[0], |_| rgb, glossy);
     }
 
-    /// Adds lights that stand for an environment before any others; with `base` they make its highlights alone, and those of
-    /// `base` its diffuse light.
-    #[inline(always)]
-    pub(crate) fn add_around(
-        &mut self,
-        fma: bool,
-        pixels: &Pixels,
-        shading: &Shading,
-        (lights, base): (&[Directed], Option<&[Directed]>),
-    ) {
-        self.add_directed(fma, pixels, shading, lights);
-        if let Some(base) = base {
-            self.sums.diffuse = Sums::NONE.diffuse;
-            self.add_directed(fma, pixels, &shading.diffuse(), base);
-        }
-    }
-
     /// Multiplies the diffuse light added so far by `share`.
     #[inline(always)]
     pub(crate) fn dim(&mut self, share: &Lanes) {

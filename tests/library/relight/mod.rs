@@ -7,6 +7,7 @@ mod environments;
 mod invariances;
 mod nothing_asked;
 mod raking;
+mod shadows;
 mod sums;
 
 use crate::common::cpu;

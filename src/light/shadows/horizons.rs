@@ -1,0 +1,158 @@
+//! What hides light from all around: the horizons of each pixel along a ring of azimuths.
+//!
+//! They are found once, and each light of an environment is seen as far as it stands above the horizon between the two
+//! azimuths beside it. A light stands for a piece of the environment about as wide as azimuths are apart, and sets
+//! gradually. What is seen of an even sky has a closed form by azimuth, that of [`crate::shape::occlusion`].
+
+use super::sweep::{Azimuth, Way, tilts};
+use crate::frame::Plane;
+use crate::kernel::fast_math::{atan, polynomial};
+use crate::kernel::simd::wide;
+use crate::light::batch::{BATCH, Lanes, Vectors};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+/// Azimuths, evenly all around from the right of the picture.
+pub(crate) const AZIMUTHS: usize = 16;
+
+/// Half of the angle within which a light sets.
+const SETTING: f32 = PI / AZIMUTHS as f32 / 1.5;
+
+/// The unit of stored elevations, in radians.
+const UNIT: f32 = PI / 255.0;
+
+/// The elevations of all horizons over the picture plane, from -90 degrees in steps of [`UNIT`].
+pub(crate) struct Horizons([Plane<u8>; AZIMUTHS]);
+
+/// The horizons of a batch of pixels, in radians.
+pub(crate) type HorizonLanes = [Lanes; AZIMUTHS];
+
+impl Horizons {
+    /// Of a surface of heights in pixels of their mean size, which are `shape` times as wide as high.
+    pub(crate) fn of(height: &Plane, shape: f32) -> Self {
+        let along = |k| Azimuth::of(f64::from(azimuth(k)), shape);
+        let azimuths: [_; AZIMUTHS] = std::array::from_fn(along);
+        let mut planes = [(); AZIMUTHS].map(|()| Plane::filled(0, 0, 0));
+        for way in Way::ALL {
+            let turned = way.turned(height);
+            let tilts = tilts(&turned);
+            let mut lines = Plane::filled(turned.width(), turned.height(), 0.0);
+            let pairs = planes.iter_mut().zip(&azimuths);
+            for (plane, azimuth) in pairs.filter(|(_, azimuth)| azimuth.way == way) {
+                let mut elevations = Plane::filled(turned.width(), turned.height(), 0.0);
+                azimuth.sweep(
+                    [&turned, &tilts],
+                    [&mut lines, &mut elevations],
+                    |slopes, per_column| wide!(to_elevations(slopes, per_column)),
+                );
+                *plane = way.turned_back(whole(&elevations));
+            }
+        }
+        Self(planes)
+    }
+
+    /// What `change` makes of each plane.
+    pub(crate) fn mapped(self, change: impl Fn(Plane<u8>) -> Plane<u8>) -> Self {
+        Self(self.0.map(change))
+    }
+
+    /// Sets lanes to the horizons of pixels of a row.
+    pub(crate) fn copy_to(
+        &self,
+        lanes: &mut HorizonLanes,
+        from: usize,
+        (y, columns): (usize, std::ops::Range<usize>),
+    ) {
+        for (lanes, plane) in lanes.iter_mut().zip(&self.0) {
+            let stored = &plane.row(y)[columns.clone()];
+            for (lane, &elevation) in lanes[from..].iter_mut().zip(stored) {
+                *lane = f32::from(elevation) * UNIT - FRAC_PI_2;
+            }
+        }
+    }
+}
+
+/// Samples without their fractions.
+fn whole(plane: &Plane) -> Plane<u8> {
+    Plane::of_rows(plane.width(), plane.height(), |y, row| {
+        let pairs = row.iter_mut().zip(plane.row(y));
+        pairs.for_each(|(to, &from)| *to = from as u8);
+    })
+}
+
+/// Slopes per column to elevations in [`UNIT`], from -90 degrees.
+#[inline(always)]
+fn to_elevations(slopes: &mut [f32], per_column: f32) {
+    for slope in slopes {
+        *slope = (atan(*slope * per_column) + FRAC_PI_2) * UNIT.recip() + 0.5;
+    }
+}
+
+fn azimuth(k: usize) -> f32 {
+    TAU * k as f32 / AZIMUTHS as f32
+}
+
+/// Where a light stands among the azimuths.
+pub(crate) struct Place {
+    beside: [usize; 2],
+    /// The share of the second of them.
+    share: f32,
+    elevation: f32,
+}
+
+impl Place {
+    /// Of a light in this direction.
+    pub(crate) fn of([x, y, z]: [f32; 3]) -> Self {
+        let turn = y.atan2(x).rem_euclid(TAU) / TAU * AZIMUTHS as f32;
+        let first = turn as usize % AZIMUTHS;
+        Self {
+            beside: [first, (first + 1) % AZIMUTHS],
+            share: turn.fract(),
+            elevation: z.atan2(x.hypot(y)),
+        }
+    }
+
+    /// Takes off `light` what horizons hide.
+    #[inline(always)]
+    pub(crate) fn hide(&self, horizons: &HorizonLanes, light: &mut Lanes) {
+        let [a, b] = self.beside.map(|k| &horizons[k]);
+        for i in 0..BATCH {
+            let horizon = a[i] + self.share * (b[i] - a[i]);
+            light[i] *= above((horizon - self.elevation) / SETTING);
+        }
+    }
+}
+
+/// The share of a disc of radius 1 above a line at this height over its middle, within 0.01: the mean of a ramp and of a
+/// smooth step.
+#[inline(always)]
+fn above(line: f32) -> f32 {
+    let t = (0.5 - 0.5 * line).clamp(0.0, 1.0);
+    0.5 * t * (1.0 + t * (3.0 - 2.0 * t))
+}
+
+/// The share of an even sky that each pixel sees, of what its own plane leaves of it: `share` gets it.
+#[inline(always)]
+pub(crate) fn see_sky(horizons: &HorizonLanes, normal: &Vectors, share: &mut Lanes) {
+    let [x, y, z] = normal;
+    *share = [0.0; BATCH];
+    for (k, horizons) in horizons.iter().enumerate() {
+        let (sine, cosine) = azimuth(k).sin_cos();
+        for i in 0..BATCH {
+            let toward = x[i] * cosine + y[i] * sine;
+            // The surface hides what is below its own plane.
+            let own = atan((-toward / z[i].max(1e-3)).max(0.0));
+            let elevation = horizons[i].max(own);
+            // Of the angle from the sight line, which is the rest of a right one.
+            let c = elevation * polynomial(elevation * elevation, SINE);
+            let s = (1.0 - c * c).max(0.0).sqrt();
+            share[i] += z[i] * s * s + toward * (FRAC_PI_2 - elevation - s * c);
+        }
+    }
+    for i in 0..BATCH {
+        let open = AZIMUTHS as f32 * 0.5 * (1.0 + z[i]);
+        share[i] = (share[i] / open.max(1e-3)).clamp(0.0, 1.0);
+    }
+}
+
+/// Coefficients of sin(t) / t in powers of t^2, to 90 degrees: the beginning of its series, within 2e-4.
+const SINE: [f32; 4] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0];

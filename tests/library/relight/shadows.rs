@@ -1,0 +1,159 @@
+//! Shadows of a sun against those of a path tracer, over heights and over depth.
+
+use super::{Asked, lights, surroundings};
+use crate::common::exr;
+use relievo::frame::{Frame, Plane, StoredDepth, Window};
+use relievo::io::inputs::Inputs;
+use relievo::io::{Needs, load};
+use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
+use relievo::params::{Material, Method, Samples, Shadows};
+use std::path::{Path, PathBuf};
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fixtures")
+        .join(name)
+}
+
+/// What arrives at each pixel of a sun `width_deg` wide.
+fn arrives(frame: &Frame, elevation_deg: f32, width_deg: f32) -> Vec<f32> {
+    let lit = |shadows| {
+        let asked = Asked::of(Material::Lambert, Method::Plain).with(|asked| {
+            asked.light = lights(&[direction_of(150.0, elevation_deg)]);
+            asked.relight.shadows = shadows;
+            asked.relight.light_size = width_deg;
+            asked.relight.shadow_fill = 0.0;
+        });
+        asked.color(frame).g
+    };
+    let (shadowed, open) = (lit(Shadows::On), lit(Shadows::Off));
+    let pairs = shadowed.samples().iter().zip(open.samples());
+    // Of what the surface faces by more than a degree.
+    let share = |(a, b): (&f32, &f32)| if *b > 0.02 { a / b } else { f32::NAN };
+    pairs.map(share).collect()
+}
+
+/// The overlap of both shadows: pixels in both over pixels in either, among those that face the sun.
+fn overlap(found: &[f32], file: &str, channel: &str) -> f64 {
+    let truth = exr::channel(&fixture(file), channel);
+    let pairs = found.iter().zip(truth.samples());
+    let [mut both, mut either] = [0, 0];
+    for (found, &truth) in pairs.filter(|(found, truth)| !found.is_nan() && **truth >= 0.0) {
+        let dark = [*found < 0.5, truth < 0.5];
+        both += usize::from(dark == [true; 2]);
+        either += usize::from(dark != [false; 2]);
+    }
+    f64::from(both as u32) / f64::from(either as u32)
+}
+
+/// The suns of the truth: their channels, elevations and widths in degrees.
+const SUNS: [(&str, f32, f32); 3] = [("hard", 25.0, 0.0), ("soft", 25.0, 8.0), ("low", 12.0, 0.0)];
+
+fn overlaps_by(least: f64, frame: &Frame, file: &str) {
+    for (channel, elevation, width) in SUNS {
+        let found = overlap(&arrives(frame, elevation, width), file, channel);
+        assert!(found >= least, "{file}, {channel}: {found}");
+    }
+}
+
+#[test]
+fn heights_cast_the_shadows_of_a_path_tracer() {
+    overlaps_by(0.94, &relief(), "relief.exr");
+}
+
+#[test]
+fn a_bust_in_depth_casts_the_shadows_of_a_path_tracer() {
+    let inputs = Inputs {
+        picture: fixture("bust.exr"),
+        camera: Some(fixture("bust.camera.json")),
+        ..Inputs::default()
+    };
+    let frame = load(
+        &inputs,
+        Needs {
+            projection: true,
+            ..Needs::default()
+        },
+    )
+    .unwrap()
+    .frame;
+    // What the head hides of itself has to be guessed.
+    overlaps_by(0.85, &frame, "bust.shadows.exr");
+}
+
+fn relief() -> Frame {
+    let inputs = Inputs {
+        picture: fixture("relief.exr"),
+        depth: Some("height.Y".into()),
+        depth_kind: Some(StoredDepth::Height),
+        ..Inputs::default()
+    };
+    load(&inputs, Needs::default()).unwrap().frame
+}
+
+/// The light of an environment is hidden as that of its texels is, each a sun with shadows of its own.
+#[test]
+fn horizons_hide_the_light_of_an_environment() {
+    let frame = relief().crop(Window::at(60, 40, 160, 120));
+    // A sun of three texels, and an even sky.
+    let sunset = |[x, y, z]: [f32; 3]| {
+        let toward = 0.7 * x + 0.3 * y + 0.648 * z;
+        [1.0 + 60.0 * toward.max(0.0).powi(64); 3]
+    };
+    for (name, map) in [
+        ("sunset", surroundings(40, sunset)),
+        ("even", surroundings(40, |_| [1.0; 3])),
+    ] {
+        let texels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
+        let suns = texels.map(|(x, y)| {
+            let share = (map.solid_angle(y) / std::f64::consts::PI) as f32;
+            DirectionalLight {
+                to_light: map.direction(x, y),
+                intensity: map.pixel(x, y).map(|radiance| share * radiance),
+            }
+        });
+        let suns = suns.collect();
+        let asked = Asked::of(Material::Lambert, Method::Plain).with(|asked| {
+            asked.relight.light_size = 0.0;
+            asked.relight.shadow_fill = 0.0;
+        });
+        let exact = asked.clone().with(|asked| {
+            asked.relight.shadows = Shadows::On;
+            asked.light = Illumination {
+                directional: suns,
+                ..Illumination::default()
+            };
+        });
+        let by_horizons = |shadows| {
+            let asked = asked.clone().in_environment(map.clone(), Samples::Auto);
+            asked
+                .with(|asked| asked.relight.sky_shadows = shadows)
+                .color(&frame)
+                .g
+        };
+        let exact = exact.color(&frame).g;
+        let error = |found: Plane| levels_apart(&exact, &found);
+        let (open, hidden) = (
+            error(by_horizons(Shadows::Off)),
+            error(by_horizons(Shadows::On)),
+        );
+        assert!(open[1] > 30.0, "{name}: {open:?}");
+        assert!(hidden[0] < 1.5 && hidden[1] < 10.0, "{name}: {hidden:?}");
+    }
+}
+
+/// The mean and the 99th percentile of the difference in grey levels, where 95 % of the truth are below 0.8.
+fn levels_apart(truth: &Plane, found: &Plane) -> [f32; 2] {
+    let nth = |mut values: Vec<f32>, share: f32| {
+        values.sort_by(f32::total_cmp);
+        values[(share * (values.len() - 1) as f32) as usize]
+    };
+    let white = nth(truth.samples().to_vec(), 0.95) / 0.8;
+    let shown = |v: &f32| 255.0 * (v / white).clamp(0.0, 1.0).powf(1.0 / 2.2);
+    let pairs = truth.samples().iter().zip(found.samples());
+    let apart: Vec<f32> = pairs.map(|(a, b)| (shown(a) - shown(b)).abs()).collect();
+    [
+        apart.iter().sum::<f32>() / apart.len() as f32,
+        nth(apart, 0.99),
+    ]
+}
