@@ -1,6 +1,6 @@
 //! `relievo relight` as a user runs it.
 
-use crate::common::program::{Ran, fixture, run};
+use crate::common::program::{Ran, fixture, relievo, run};
 use relievo::frame::Plane;
 use relievo::io::environment::read_environment;
 use relievo::io::photo::Photo;
@@ -281,4 +281,74 @@ fn light_that_is_hardly_meant_is_told() {
     let room = fixture("room.hdr");
     let refused = lit(&["--lit-sphere", room.to_str().unwrap()]).ended(1);
     assert!(refused.contains("--environment"), "{refused}");
+}
+
+/// What shadows were chosen is said, and what they cannot do.
+#[test]
+fn shadows_are_told() {
+    let desk = tempfile::tempdir().unwrap();
+    let [color, normal, bust, room] = [
+        "tablet.color.jpg",
+        "tablet.normal.png",
+        "bust.exr",
+        "room.hdr",
+    ]
+    .map(|name| fixture(name).display().to_string());
+    let tablet = format!("{color} --normal {normal} --method plain -o a.png");
+    let bust = format!("{bust} --method plain -o a.png");
+    let fills = "--sky-shadows on takes what stands before a background for solid";
+    let cases = [
+        (&tablet, "--light 75,20", 0, ": shadows on"),
+        (&tablet, "--light 75,60", 0, ": shadows off"),
+        (&tablet, "--light 75,20 --raking best", 0, ": shadows off"),
+        (
+            &tablet,
+            &format!("--environment {room}"),
+            0,
+            ": sky-shadows on",
+        ),
+        (
+            &bust,
+            &format!("--environment {room}"),
+            0,
+            ": sky-shadows off",
+        ),
+        (
+            &bust,
+            &format!("--environment {room} --occlusion computed"),
+            0,
+            fills,
+        ),
+        (
+            &tablet,
+            &format!("--environment {room} --shadows on"),
+            2,
+            "--sky-shadows on is for environments",
+        ),
+        (
+            &tablet,
+            &format!("--environment {room} --material mirror --sky-shadows on"),
+            2,
+            "a --material that scatters light",
+        ),
+        (
+            &bust,
+            "--light 150,25 --shadows on --thickness 0",
+            2,
+            "--thickness",
+        ),
+    ];
+    for (input, flags, code, expected) in cases {
+        let ran = relievo(desk.path(), &format!("relight {input} {flags}"));
+        let said = format!("{}{}", ran.stdout, ran.stderr);
+        assert!(said.contains(expected), "{flags}: {said}");
+        assert_eq!(ran.code, Some(code), "{flags}: {said}");
+    }
+    for preset in ["raking", "inscription-raking"] {
+        relievo(
+            desk.path(),
+            &format!("run {preset} {color} --normal {normal} -o b.png"),
+        )
+        .done();
+    }
 }
