@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Window};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{Inputs, StoredDepth, Wrap};
-use crate::io::{InputFiles, Loaded, Needs, PartOfPhotos, WholePhoto, wrapped};
+use crate::io::{Holding, InputFiles, Loaded, Needs, PartOfPhotos, WholePhoto, wrapped};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::relight::albedo::estimate;
 use crate::plan::{Albedo, Plan};
@@ -159,7 +159,12 @@ impl Sheet {
         needs.projection &= inputs.camera.is_some();
         let mut inputs = inputs.clone();
         let wrap = std::mem::replace(&mut inputs.wrap, Wrap::None);
-        let files = InputFiles::open_sheet(&inputs, self.grid.0)?;
+        let holding = Holding {
+            stay: true,
+            cell: Some(self.grid.0),
+            ..Holding::default()
+        };
+        let files = InputFiles::open(&inputs, holding)?;
         let mut loaded = files.load(&inputs, needs)?;
         let photos = files.photos()?;
         let window = loaded.frame.data_window;
@@ -195,11 +200,12 @@ impl Sheet {
 
 impl ReadSheet {
     fn load(&self, window: Window) -> Result<Loaded> {
-        let part = PartOfPhotos {
-            photos: self.photos.clone(),
-            window,
+        let photos = self.photos.clone();
+        let holding = Holding {
+            part: Some(PartOfPhotos { photos, window }),
+            ..Holding::default()
         };
-        InputFiles::open_part(&self.inputs, part)?.load(&self.inputs, self.needs)
+        InputFiles::open(&self.inputs, holding)?.load(&self.inputs, self.needs)
     }
 
     /// Replaces normals that were made of depth by those of the cells: slopes go by the size of a picture, and so does how

@@ -8,7 +8,8 @@ use crate::command::commands::InspectArgs;
 use crate::error::{Error, Result};
 use crate::io::inputs::{Inputs, LightInputs};
 use crate::io::{
-    self, Finding, InputFiles, Loaded, Needs, ObjectSurvey, PartSurvey, Survey, frame_bytes,
+    self, Finding, Holding, InputFiles, Loaded, Needs, ObjectSurvey, PartSurvey, Survey,
+    frame_bytes,
 };
 use crate::params::ScalingParams;
 use crate::untrusted::{Untrusted, bounded, listed};
@@ -93,7 +94,7 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
 
 /// Reads the frame, or as many rows in its middle as fit; then that is said.
 fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
-    let files = InputFiles::open_within(&inputs, MOST_OF_A_PHOTO)?;
+    let files = InputFiles::open(&inputs, Holding::within(MOST_OF_A_PHOTO))?;
     // The camera is worth knowing even where the normals need none.
     let needs = Needs {
         projection: true,

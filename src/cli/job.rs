@@ -23,7 +23,7 @@ use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
 use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_picture_as};
 use crate::io::svg;
-use crate::io::{InputFiles, Loaded, Needs};
+use crate::io::{Holding, InputFiles, Loaded, Needs};
 use crate::plan::{Decision, Plan};
 use crate::untrusted::shown;
 use crate::work::Work;
@@ -136,7 +136,11 @@ impl<'a> Job<'a> {
     pub(super) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<(Loaded, Duration)> {
         match self.part {
             Some(part) => self.told(|| part.load(inputs, needs)),
-            None => self.load_from(&InputFiles::open(inputs)?, inputs, needs),
+            None => self.load_from(
+                &InputFiles::open(inputs, Holding::default())?,
+                inputs,
+                needs,
+            ),
         }
     }
 

@@ -17,7 +17,7 @@ use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Whites};
-use crate::io::{InputFiles, Loaded, Needs, program_bytes};
+use crate::io::{Holding, InputFiles, Loaded, Needs, program_bytes};
 use crate::plan::Plan;
 use crate::work::picture::MadePicture;
 use crate::work::source::Source;
@@ -81,7 +81,11 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
     let Source {
         mut inputs, needs, ..
     } = source;
-    let files = InputFiles::open_for_strips(&inputs)?;
+    let holding = Holding {
+        stay: true,
+        ..Holding::default()
+    };
+    let files = InputFiles::open(&inputs, holding)?;
     let extent = files.extent(&inputs, needs)?;
     let (whole, photo_bytes) = (extent.window, extent.photo_bytes);
     let args = job.args();
@@ -215,7 +219,7 @@ fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> R
         return Ok(job.load_from(files, inputs, needs)?.0);
     }
     // It will be refused; but what it takes is only known from its plan.
-    let sparing = InputFiles::open_within(inputs, most)?;
+    let sparing = InputFiles::open(inputs, Holding::within(most))?;
     Ok(job.load_from(&sparing, inputs, needs)?.0)
 }
 

@@ -9,6 +9,7 @@ use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// A flag with its value: `--name=value`; without one, a switch.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +61,7 @@ pub(crate) struct Flags {
     /// Whether a picture of light shows all scales added up.
     is_light: bool,
     /// All radii of `--occlusion-radius`.
-    radii: Vec<f32>,
+    pub(crate) radii: Vec<f32>,
     /// The folder given to `--style`.
     pub(super) folder_of_strokes: Option<PathBuf>,
 }
@@ -69,11 +70,6 @@ impl Flags {
     /// Sigmas of the scales after the first.
     pub(crate) fn more_scales(&self) -> &[f32] {
         self.scales.get(1..).unwrap_or(&[])
-    }
-
-    /// All radii of occlusion; none where the command makes none.
-    pub(crate) fn radii(&self) -> &[f32] {
-        &self.radii
     }
 
     /// Refuses parameters outside their ranges.
@@ -302,6 +298,20 @@ pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
         let named = all.iter().find(|(_, name)| *name == word);
         named.expect("other words are refused").0
     })
+}
+
+/// A value that was given, or a word in its place, such as `auto`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given<T>(pub(super) Option<T>);
+
+/// A parser for a value, or a `word` in its place.
+pub(super) fn word_or<T: FromStr<Err = String>>(
+    word: &'static str,
+) -> impl Fn(&str) -> std::result::Result<Given<T>, String> + Clone {
+    move |text| match text == word {
+        true => Ok(Given(None)),
+        false => text.parse().map(|value| Given(Some(value))),
+    }
 }
 
 /// Parser for the values of a parameter.

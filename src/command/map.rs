@@ -160,7 +160,7 @@ impl MapArgs {
 
     /// The maps, each at each scale unless scales are added up.
     pub(crate) fn parts(&self) -> Vec<Part> {
-        let (sigmas, radii) = (self.sigmas(), self.work.flags.radii());
+        let (sigmas, radii) = (self.sigmas(), &self.work.flags.radii[..]);
         let mut parts: Vec<Part> = Vec::new();
         for &map in &self.maps {
             let sizes = match map {

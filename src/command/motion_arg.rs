@@ -1,5 +1,6 @@
 //! The argument that names the motion between the frames of a sequence.
 
+use super::flags::{Given, word_or};
 use super::named::{Named, given};
 use crate::io::motion::MotionConvention;
 use clap::Args;
@@ -26,24 +27,10 @@ pub(crate) struct MotionArg {
         long,
         value_name = "WORDS",
         default_value = "auto",
+        value_parser = word_or::<MotionConvention>("auto"),
         requires = "motion"
     )]
-    motion_convention: ConventionArg,
-}
-
-/// A convention that was given, or `auto`.
-#[derive(Debug, Clone, Copy)]
-struct ConventionArg(Option<MotionConvention>);
-
-impl std::str::FromStr for ConventionArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "auto" => Ok(Self(None)),
-            words => words.parse().map(|convention| Self(Some(convention))),
-        }
-    }
+    motion_convention: Given<MotionConvention>,
 }
 
 impl MotionArg {

@@ -1,6 +1,6 @@
 //! Arguments that assign roles to layers and files.
 
-use super::flags::{Flag, one_of};
+use super::flags::{Flag, Given, one_of, word_or};
 use super::named::{Named, given};
 use super::still_camera::StillCamera;
 use crate::frame::NormalSpace;
@@ -79,8 +79,8 @@ pub(crate) struct RoleArgs {
     normal_encoding: Given<NormalEncoding>,
     /// Axes of the normals that point the wrong way: as in y or xz, none, or auto; or who wrote them: opengl (none),
     /// directx (y), opencv (yz), stablenormal, dsine or bae (x).
-    #[arg(long, value_name = "AXES", default_value = "auto")]
-    normal_flip: FlipArg,
+    #[arg(long, value_name = "AXES", default_value = "auto", value_parser = word_or::<Flip>("auto"))]
+    normal_flip: Given<Flip>,
     /// Quantity stored as depth.
     #[arg(hide_short_help = true, long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
     depth_kind: Given<StoredDepth>,
@@ -121,25 +121,6 @@ const NORMAL_ENCODINGS: [(NormalEncoding, &str); 5] = [
     (NormalEncoding::Ag, "ag"),
     (NormalEncoding::Oct, "oct"),
 ];
-
-/// Given axes, or `auto`.
-#[derive(Debug, Clone, Copy)]
-struct FlipArg(Option<Flip>);
-
-impl std::str::FromStr for FlipArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "auto" => Ok(Self(None)),
-            axes => axes.parse().map(|flip| Self(Some(flip))),
-        }
-    }
-}
-
-/// A given value, or `auto`.
-#[derive(Debug, Clone, Copy)]
-struct Given<T>(Option<T>);
 
 fn wraps() -> impl Iterator<Item = (Wrap, &'static str)> {
     let words = Wrap::CHOICES.iter().map(|choice| choice.name);

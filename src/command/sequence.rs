@@ -1,12 +1,12 @@
 //! Sequences: frame numbers, and the names of their files.
 
+use super::flags::{Given, word_or};
 use super::grid::CellSize;
 use crate::error::{Result, bad};
 use crate::io::sequence::{FrameList, is_pattern, path_of_frame};
 use crate::untrusted::shown;
 use clap::{Args, ValueEnum};
 use std::path::Path;
-use std::str::FromStr;
 
 /// Number of frames sampled for automatic choices.
 const SAMPLES: usize = 5;
@@ -33,10 +33,11 @@ pub(crate) struct SequenceArgs {
         hide_short_help = true,
         long,
         value_name = "LIST|none",
+        value_parser = word_or::<FrameList>("none"),
         allow_hyphen_values = true,
         conflicts_with = "grid"
     )]
-    sample_frames: Option<Samples>,
+    sample_frames: Option<Given<FrameList>>,
     /// Skip frames whose output exists and is complete.
     #[arg(long, requires = "frames")]
     pub(crate) skip_existing: bool,
@@ -70,21 +71,6 @@ pub(crate) enum MissingArg {
     Skip,
 }
 
-/// Frames to sample, or none.
-#[derive(Debug, Clone)]
-struct Samples(Option<FrameList>);
-
-impl FromStr for Samples {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "none" => Ok(Self(None)),
-            _ => text.parse().map(|list| Self(Some(list))),
-        }
-    }
-}
-
 impl FramesArg {
     /// Whether frames were given.
     pub(super) fn is_given(&self) -> bool {
@@ -110,8 +96,8 @@ impl SequenceArgs {
     /// The frames to sample: those given, else some of `frames`.
     pub(crate) fn samples(&self, frames: &[i32]) -> Vec<i32> {
         match &self.sample_frames {
-            Some(Samples(None)) => Vec::new(),
-            Some(Samples(Some(list))) => list.numbers().to_vec(),
+            Some(Given(None)) => Vec::new(),
+            Some(Given(Some(list))) => list.numbers().to_vec(),
             None => spread(frames),
         }
     }

@@ -41,7 +41,7 @@ pub(crate) use load::from_depth;
 pub(crate) use load::in_strips::InputFiles;
 pub use load::objects::ObjectSurvey;
 #[cfg(feature = "cli")]
-pub(crate) use load::opened::{PartOfPhotos, WholePhoto};
+pub(crate) use load::opened::{Holding, PartOfPhotos, WholePhoto};
 pub use load::specular::{SpecularInputs, load_specular};
 pub use load::survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
 #[cfg(feature = "cli")]

@@ -13,7 +13,7 @@ const FARTHEST: f32 = 0.5;
 
 /// The way of a surface from the previous frame to this one.
 pub(super) struct Carrier<'a> {
-    motion: &'a Vector2Planes,
+    pub(super) motion: &'a Vector2Planes,
     mask: &'a Mask,
     /// The corner of the previous window, from that of this one.
     shift: Vec2,
@@ -46,11 +46,6 @@ impl<'a> Carrier<'a> {
         }
         let off = at - self.come(at)? - before;
         (off.length() <= FARTHEST).then_some(at)
-    }
-
-    /// The motion of the surface, in pixels, x right, y up.
-    pub(super) fn motion(&self) -> &'a Vector2Planes {
-        self.motion
     }
 
     /// The way that the surface at a position came, rows down.

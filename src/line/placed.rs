@@ -16,7 +16,7 @@ pub(super) struct Point {
 
 /// The points placed so far.
 pub(super) struct Placed {
-    points: Vec<Point>,
+    pub(super) points: Vec<Point>,
     /// The last point of every cell, counted from 1, or 0: memory of zeros is mapped only where points are.
     last: Vec<u32>,
     size: [usize; 2],
@@ -69,11 +69,6 @@ impl Placed {
                 *self.last(at) = before;
             }
         }
-    }
-
-    /// All points, in the order of placement.
-    pub(super) fn points(&self) -> &[Point] {
-        &self.points
     }
 
     /// The point of this number, counted from 1, with its number, counted from 0.

@@ -103,7 +103,7 @@ impl View {
             zoom: 1.0,
             hides_handles: false,
             input: None,
-            controls: Controls::new(),
+            controls: Controls::default(),
             canvas: Canvas::default(),
             textures: [None, None],
             worker: Worker::start(opening.engine, opening.save, move || {

@@ -24,6 +24,7 @@ const OPEN: [&str; 5] = [
 ];
 
 /// The controls of one command.
+#[derive(Default)]
 pub(super) struct Controls {
     command: String,
     families: Vec<(String, Vec<Setting>)>,
@@ -35,16 +36,6 @@ pub(super) struct Controls {
 }
 
 impl Controls {
-    pub(super) fn new() -> Self {
-        Self {
-            command: String::new(),
-            families: Vec::new(),
-            typed: BTreeMap::new(),
-            sought: String::new(),
-            shows_all: false,
-        }
-    }
-
     /// Shows the controls of `look`. `chosen` are the automatic choices, by setting; some are picked among `pictures`.
     pub(super) fn show(
         &mut self,

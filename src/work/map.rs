@@ -295,7 +295,7 @@ impl Work for MapArgs {
         let relief = relief.iter().filter(|(map, _)| self.maps.contains(map));
         let products: Vec<_> = relief.map(|(_, product)| *product).collect();
         let radii = match self.maps.contains(&Map::Occlusion) {
-            true => self.work.flags.radii(),
+            true => &self.work.flags.radii[..],
             false => &[shape.occlusion_radius],
         };
         for &occlusion_radius in radii.iter().filter(|_| !products.is_empty()) {

@@ -128,10 +128,7 @@ struct Lights {
 
 impl Lights {
     fn open(path: &Path, most_bytes: u64) -> Result<Self> {
-        let holding = Holding {
-            most_bytes,
-            ..Holding::default()
-        };
+        let holding = Holding::within(most_bytes);
         let file = Opened::open_held(path, Selection::default(), holding)?;
         let sources = color_sources(&file).ok_or_else(|| {
             let layers = file.found("nothing");

@@ -134,7 +134,7 @@ impl FrameSources {
         if let Some(normal) = self.get(Role::Normal) {
             refuse_unlike_orientations(normal, expected)?;
         }
-        for source in self.roles.iter().chain(light.sources()) {
+        for source in self.roles.iter().chain(&light.sources) {
             let overlaps = source.display() == expected.display()
                 && source.window().common(&window).is_some()
                 && [source, expected].iter().all(|source| source.is_exr());
@@ -157,7 +157,7 @@ impl FrameSources {
         part: Option<Window>,
         colorspace: Option<ColorSpace>,
     ) -> Result<(Planes, Vec<RolePlanes>)> {
-        let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
+        let all: Vec<_> = self.roles.iter().chain(&light.sources).cloned().collect();
         let rows = part.map(|part| part.y0..part.y1);
         let mut read = read_rows(&all, rows, colorspace)?;
         for (source, read) in all.iter().zip(&mut read) {

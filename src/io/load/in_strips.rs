@@ -3,7 +3,7 @@
 use super::bundle::gathered;
 use super::frame_sources::FrameSources;
 use super::light_layers::LightSources;
-use super::opened::{Holding, Opened, PartOfPhotos, Selection, WholePhoto};
+use super::opened::{Holding, Opened, Selection, WholePhoto};
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
@@ -33,61 +33,14 @@ pub(crate) struct Extent {
 }
 
 impl InputFiles {
-    /// Opens the picture of `inputs`. Photos are released after they have been read.
+    /// Opens the picture of `inputs`, with this policy for samples of photos.
     ///
     /// # Errors
     /// Any [`crate::Error`] of reading a header.
-    pub(crate) fn open(inputs: &Inputs) -> Result<Self> {
-        Self::open_held(inputs, Holding::default())
-    }
-
-    /// [`InputFiles::open`] for reading rows repeatedly: photos stay decoded.
-    ///
-    /// # Errors
-    /// As [`InputFiles::open`].
-    pub(crate) fn open_for_strips(inputs: &Inputs) -> Result<Self> {
-        let holding = Holding {
-            stay: true,
-            ..Holding::default()
-        };
-        Self::open_held(inputs, holding)
-    }
-
-    /// [`InputFiles::open`] with at most `most_bytes` of a photo decoded at a time: of larger ones rows are read.
-    ///
-    /// # Errors
-    /// As [`InputFiles::open`].
-    pub(crate) fn open_within(inputs: &Inputs, most_bytes: u64) -> Result<Self> {
-        let holding = Holding {
-            most_bytes,
-            ..Holding::default()
-        };
-        Self::open_held(inputs, holding)
-    }
-
-    /// [`InputFiles::open`] for sheets of such cells: photos stay decoded.
-    ///
-    /// # Errors
-    /// As [`InputFiles::open`].
-    pub(crate) fn open_sheet(inputs: &Inputs, cell: [usize; 2]) -> Result<Self> {
-        let holding = Holding {
-            stay: true,
-            cell: Some(cell),
-            ..Holding::default()
-        };
-        Self::open_held(inputs, holding)
-    }
-
-    /// [`InputFiles::open`] for a part of photos that are decoded.
-    ///
-    /// # Errors
-    /// As [`InputFiles::open`].
-    pub(crate) fn open_part(inputs: &Inputs, part: PartOfPhotos) -> Result<Self> {
-        let holding = Holding {
-            part: Some(part),
-            ..Holding::default()
-        };
-        Self::open_held(inputs, holding)
+    pub(crate) fn open(inputs: &Inputs, holding: Holding) -> Result<Self> {
+        let (inputs, _) = gathered(inputs)?;
+        let main = Opened::open_held(&inputs.picture, Selection::of(&inputs), holding)?;
+        Ok(Self { main })
     }
 
     /// The photos, decoded, of which parts are to be read.
@@ -96,12 +49,6 @@ impl InputFiles {
     /// [`Error::Unsupported`] if one is an EXR.
     pub(crate) fn photos(&self) -> Result<Arc<Vec<WholePhoto>>> {
         self.main.photos().map(Arc::new)
-    }
-
-    fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
-        let (inputs, _) = gathered(inputs)?;
-        let main = Opened::open_held(&inputs.picture, Selection::of(&inputs), holding)?;
-        Ok(Self { main })
     }
 
     /// Size of the frame of `inputs`.
@@ -119,17 +66,8 @@ impl InputFiles {
                 remedy: "allow more with --max-memory".into(),
             });
         }
-        let mut photos: Vec<_> = sources
-            .roles
-            .iter()
-            .filter_map(|source| source.file.photo())
-            .collect();
-        photos.extend(
-            light
-                .sources()
-                .iter()
-                .filter_map(|source| source.file.photo()),
-        );
+        let all = sources.roles.iter().chain(&light.sources);
+        let mut photos: Vec<_> = all.filter_map(|source| source.file.photo()).collect();
         photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
         photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
         Ok(Extent {

@@ -80,7 +80,7 @@ enum Use {
 #[derive(Default)]
 pub(crate) struct LightSources {
     uses: Vec<Use>,
-    sources: Vec<RoleSource>,
+    pub(crate) sources: Vec<RoleSource>,
     /// Lobes that exist but are not used.
     unread: Vec<Lobe>,
     findings: Vec<Finding>,
@@ -133,10 +133,6 @@ impl LightSources {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.sources.is_empty()
-    }
-
-    pub(crate) fn sources(&self) -> &[RoleSource] {
-        &self.sources
     }
 
     fn has_lobes(&self) -> bool {

@@ -108,6 +108,16 @@ impl Default for Holding {
     }
 }
 
+impl Holding {
+    /// That of a photo of which at most `most_bytes` are decoded at a time: of a larger one rows are read.
+    pub(crate) fn within(most_bytes: u64) -> Self {
+        Self {
+            most_bytes,
+            ..Self::default()
+        }
+    }
+}
+
 impl PartOfPhotos {
     /// The part of the photo at `path`; `None` if it is not one of them.
     fn of(&self, path: &Path) -> Option<(StoredPhoto, Judged)> {

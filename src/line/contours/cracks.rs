@@ -151,11 +151,8 @@ impl<'a> Finder<'a> {
     /// Cracks that lead from an end of a line to the end beside it: where a filter spread an edge that runs
     /// almost along rows, or columns, the steps between them are too gentle to be distinguished from slopes.
     pub(crate) fn risers(&self, lattice: &Lattice) -> Vec<Crack> {
-        let ends = lattice
-            .linked()
-            .iter()
-            .copied()
-            .filter(|&corner| lattice.degree(corner) == 1);
+        let linked = lattice.linked.iter().copied();
+        let ends = linked.filter(|&corner| lattice.degree(corner) == 1);
         let pairs = ends.flat_map(|corner| [RIGHT, DOWN].map(|step| (corner, step)));
         let beside = |(corner, step): &(u32, usize)| {
             let to = lattice.neighbour(*corner, *step);

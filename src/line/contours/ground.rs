@@ -105,7 +105,7 @@ impl Ground {
 
     /// The same for places that count, and the unit direction of the line there.
     fn met_by(&self, from: Vec2, to: Vec2, counts: impl Fn(&Point) -> bool) -> Option<[Vec2; 2]> {
-        let places = self.places.points();
+        let places = &self.places.points;
         let near = self.places.between(from.min(to) - 2.0, from.max(to) + 2.0);
         let pieces = near.filter_map(|(number, place)| {
             let piece = [place, places.get(number + 1)?];

@@ -20,7 +20,7 @@ pub(crate) struct Lattice {
     /// Bit i of a node: whether it is linked along step i.
     links: Vec<u8>,
     /// The nodes that have links, in order.
-    linked: Vec<u32>,
+    pub(crate) linked: Vec<u32>,
 }
 
 /// Nodes joined one to the next by links.
@@ -70,11 +70,6 @@ impl Lattice {
     /// Number of links of a node.
     pub(crate) fn degree(&self, node: u32) -> u32 {
         self.links[node as usize].count_ones()
-    }
-
-    /// The nodes that have links, in order.
-    pub(crate) fn linked(&self) -> &[u32] {
-        &self.linked
     }
 
     /// Whether a node is on the rim of the lattice, or up to `steps` inside.

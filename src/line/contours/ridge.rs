@@ -275,7 +275,7 @@ mod tests {
             pixels: &pixels,
             weight,
         };
-        bands.ridges().linked().to_vec()
+        bands.ridges().linked
     }
 
     #[test]

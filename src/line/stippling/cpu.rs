@@ -70,7 +70,7 @@ fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Do
     };
     let dot = |at: Vec2| Dot {
         at,
-        radius: field.radius(),
+        radius: field.radius,
     };
     let places = spaced(diffused(field, seed, memory), 0, field, memory);
     places.into_iter().map(|at| (laid(at), dot(at))).unzip()
@@ -93,7 +93,7 @@ fn carried_on(
     if carried.is_empty() {
         return None;
     }
-    let was_seen = before.seen_before(frame, carrier.motion());
+    let was_seen = before.seen_before(frame, carrier.motion);
     let mut laid = settled(&carried, field, &was_seen, seed, memory);
     let dots = fitted(&mut laid, field);
     Some((laid, dots))

@@ -29,7 +29,7 @@ pub(super) fn fitted(dots: &mut [LaidDot], field: &Field) -> Vec<Dot> {
         let room = crowding.sqrt().recip().clamp(LIMITS[0], LIMITS[1]);
         Dot {
             at: dot.at,
-            radius: field.radius() * dot.share.sqrt() * room,
+            radius: field.radius * dot.share.sqrt() * room,
         }
     });
     fitted.collect()

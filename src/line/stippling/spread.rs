@@ -52,7 +52,7 @@ pub(super) fn spaced(
 pub(super) struct Field<'a> {
     ink: &'a Plane,
     /// Radius and area of a dot.
-    radius: f32,
+    pub(super) radius: f32,
     area: f32,
 }
 
@@ -64,11 +64,6 @@ impl<'a> Field<'a> {
             radius,
             area: PI * radius * radius,
         }
-    }
-
-    /// Radius of a dot.
-    pub(super) fn radius(&self) -> f32 {
-        self.radius
     }
 
     pub(super) fn size(&self) -> [usize; 2] {

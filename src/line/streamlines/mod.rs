@@ -273,7 +273,7 @@ impl Drawer<'_> {
             return None;
         }
         let along = self.direction(seed, along)?;
-        let (number, before) = (self.lines.len() as u32, self.placed.points().len());
+        let (number, before) = (self.lines.len() as u32, self.placed.points.len());
         self.placed.add(seed, number, 0);
         let step = self.tool.step;
         let mut points = Vec::with_capacity(USUAL);

@@ -107,7 +107,7 @@ impl<'a> Copied<'a> {
         };
         let chunk = next_chunk(&mut self.chunks, offset, self.end, part)
             .map_err(|fault| fault.at(&self.input.path))?;
-        self.end = self.chunks.position();
+        self.end = self.chunks.position;
         let written = match chunk.place {
             Place::Row(y) => out.chunk(part, index, &[y], &chunk.bytes),
             Place::Tile(tile) => out.chunk(part, index, &tile, &chunk.bytes),

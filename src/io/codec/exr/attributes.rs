@@ -148,7 +148,7 @@ impl Attributes {
 /// Reads headers, never past the end of the file nor past the limit for all headers.
 pub(super) struct HeaderReader<R> {
     read: R,
-    position: u64,
+    pub(super) position: u64,
     file_len: u64,
     /// Attributes read so far.
     count: usize,
@@ -162,11 +162,6 @@ impl<R: Read> HeaderReader<R> {
             file_len,
             count: 0,
         }
-    }
-
-    /// Bytes read so far.
-    pub(super) fn position(&self) -> u64 {
-        self.position
     }
 
     pub(super) fn array<const N: usize>(&mut self) -> Parsed<[u8; N]> {

@@ -27,7 +27,7 @@ pub(super) struct RawChunk {
 pub(super) struct ChunkReader<'a> {
     pub(super) exr: &'a ExrFile,
     file: BufReader<File>,
-    position: u64,
+    pub(super) position: u64,
 }
 
 impl<'a> ChunkReader<'a> {
@@ -89,11 +89,6 @@ impl<'a> ChunkReader<'a> {
         };
         let bytes = self.sized_bytes(max_bytes)?;
         Ok(RawChunk { part, place, bytes })
-    }
-
-    /// End of the last chunk read.
-    pub(super) fn position(&self) -> u64 {
-        self.position
     }
 
     fn sized_bytes(&mut self, max_bytes: u64) -> Parsed<Vec<u8>> {

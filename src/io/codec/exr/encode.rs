@@ -38,13 +38,13 @@ pub(super) struct Encoder {
     header: Header,
     sources: Vec<Source>,
     /// Rows of a block.
-    block_rows: usize,
+    pub(super) block_rows: usize,
     /// Rows taken, including those waiting.
-    taken: usize,
+    pub(super) taken: usize,
     /// Rows of the incomplete block, in its layout.
     waiting: Vec<u8>,
     /// Samples that were clamped.
-    clamped: u64,
+    pub(super) clamped: u64,
 }
 
 /// Rows to write: the same of every plane.
@@ -67,16 +67,6 @@ impl Encoder {
         }
     }
 
-    /// Samples that were too large for half floats and were clamped.
-    pub(super) fn clamped(&self) -> u64 {
-        self.clamped
-    }
-
-    /// The rows that have been taken.
-    pub(super) fn taken(&self) -> usize {
-        self.taken
-    }
-
     /// Rows that are still to come.
     pub(super) fn missing(&self) -> usize {
         self.header.layer_size.height() - self.taken
@@ -87,10 +77,6 @@ impl Encoder {
         let block_bytes = self.block_rows * self.row_bytes();
         let blocks = (BATCH_BYTES / block_bytes.max(1)).clamp(1, 1024);
         blocks * self.block_rows - self.waiting_rows()
-    }
-
-    pub(super) fn block_rows(&self) -> usize {
-        self.block_rows
     }
 
     fn row_bytes(&self) -> usize {

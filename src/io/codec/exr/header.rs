@@ -49,7 +49,7 @@ impl FileHeader {
         check_labels(&parts)?;
         let meta = typed(flags, &parts)?;
         check_channels(&meta)?;
-        check_chunk_count(&meta, file_len.saturating_sub(read.position()))?;
+        check_chunk_count(&meta, file_len.saturating_sub(read.position))?;
         match fenced(|| MetaData::validate(&meta.headers, false)) {
             Some(valid) => _ = valid?,
             None => return Err(Fault::damaged("its header contradicts itself")),
@@ -58,7 +58,7 @@ impl FileHeader {
             flags,
             parts,
             meta,
-            end: read.position(),
+            end: read.position,
         })
     }
 

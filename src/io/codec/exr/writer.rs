@@ -175,7 +175,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         rows: Range<usize>,
         beside: &mut (dyn FnMut() + Send),
     ) -> Result<()> {
-        let taken = self.encoder.taken();
+        let taken = self.encoder.taken;
         let kept = match &mut self.kept {
             Some(part) => part.rows(&(taken..taken + rows.len()))?,
             None => &[],
@@ -203,7 +203,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
         let placed = |(index, bytes)| Block {
             index,
-            top: self.top + (index * self.encoder.block_rows()) as i32,
+            top: self.top + (index * self.encoder.block_rows) as i32,
             bytes,
         };
         self.waiting.extend((first..).zip(blocks).map(placed));
@@ -221,7 +221,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         let written = write_blocks(&mut self.out, self.index, self.waiting);
         let finished = written.and_then(|()| self.out.finish());
         finished.map_err(Error::io(&self.target, "write"))?;
-        Ok(self.encoder.clamped())
+        Ok(self.encoder.clamped)
     }
 
     /// Writes all rows, and finishes the file as [`PartWriter::finish`] does.
