@@ -19,8 +19,6 @@ pub(super) fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
 pub(super) struct SrgbCodes {
     /// The least value of each code above 0, then a bound none reaches.
     pub(super) least: [f64; 256],
-    /// The smallest f32 of each code above 0, then a bound none reaches.
-    pub(super) least_single: [f32; 256],
     /// The code at the start of each of [`SRGB_PARTS`] equal parts of 0..1, and of the parts beyond.
     at: [u8; 2 * SRGB_PARTS],
 }
@@ -49,31 +47,14 @@ impl SrgbCodes {
             f64::from_bits(lower)
         });
         let at = std::array::from_fn(|part| computed(part as f64 / SRGB_PARTS as f64) as u8);
-        let least_single = least.map(|least| {
-            let single = least as f32;
-            let is_below = f64::from(single) < least;
-            if is_below { single.next_up() } else { single }
-        });
-        Self {
-            least,
-            least_single,
-            at,
-        }
+        Self { least, at }
     }
 
-    /// The code of a single number. Codes are farther apart than parts: one step is enough.
-    #[inline]
-    pub(super) fn code_of_single(&self, v: f32) -> u8 {
-        // NaN becomes index 0 and reaches no code; the mask only removes a bounds check.
-        let v = v.clamp(0.0, 1.0);
-        let code = self.at[(v * SRGB_PARTS as f32) as usize & (2 * SRGB_PARTS - 1)];
-        code + u8::from(v >= self.least_single[usize::from(code)])
-    }
-
-    /// [`Self::code_of_single`] of a number in double precision.
+    /// The code of a number. Codes are farther apart than parts: one step is enough.
     #[inline]
     pub(super) fn code(&self, v: f64) -> u8 {
         let v = clipped(v);
+        // The mask only removes a bounds check.
         let code = self.at[(v * SRGB_PARTS as f64) as usize & (2 * SRGB_PARTS - 1)];
         code + u8::from(v >= self.least[usize::from(code)])
     }

@@ -3,7 +3,6 @@
 use super::agx::agx;
 use super::group::{Colors, color_at, each, largest};
 use crate::frame::ColorPlanes;
-use std::ops::Range;
 
 /// Light above this value is compressed: 0.906 of a display's range by the sRGB curve.
 const KNEE: f64 = 0.8;
@@ -57,24 +56,6 @@ impl<'a> Display<'a> {
 }
 
 impl Shown<'_> {
-    /// Whether it surely leaves opaque pixels of a row as they are, which have these samples.
-    #[inline]
-    pub(super) fn leaves(&self, color: [&[f32]; 3], y: usize, columns: Range<usize>) -> bool {
-        // Rounding to single precision does not decide.
-        let is_dark = |row: &[f32]| are_up_to(row, 0.99 * KNEE as f32);
-        self.gain == 1.0
-            && match self.bright {
-                Bright::Clipped => true,
-                Bright::Agx => false,
-                Bright::Compressed => color.into_iter().all(is_dark),
-                Bright::ChangedFrom(ColorPlanes { r, g, b }) => {
-                    let before = [r, g, b].map(|plane| &plane.row(y)[columns.clone()]);
-                    color.into_iter().all(is_dark)
-                        && before.into_iter().all(|row| are_up_to(row, 1.0))
-                }
-            }
-    }
-
     /// The displayed colours of a group: `of` reads those of the picture that it was changed from, divided by alpha.
     #[inline]
     pub(super) fn group(&self, colors: &Colors, of: impl Fn(&ColorPlanes) -> Colors) -> Colors {
@@ -123,12 +104,6 @@ impl Shown<'_> {
 fn changed(color: [f64; 3], before: [f64; 3]) -> [f64; 3] {
     let shown = |v: f64| if v.is_finite() { v.max(1.0) } else { 1.0 };
     std::array::from_fn(|i| color[i] / shown(before[i]))
-}
-
-/// Whether all numbers are at most `most`; none is NaN then.
-fn are_up_to(row: &[f32], most: f32) -> bool {
-    // Without a branch, so that the compiler takes many at a time.
-    row.iter().fold(true, |all, &v| all & (v <= most))
 }
 
 /// A colour whose brightness above the knee stays below white: by a hyperbola whose slope at the knee is 1.

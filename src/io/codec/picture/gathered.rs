@@ -1,6 +1,6 @@
 //! Samples in the layout of picture files, gathered by rows and encoded at once.
 
-use super::codes::{SRGB_8, SrgbCodes, code};
+use super::codes::code;
 use super::display::Shown;
 use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
@@ -303,57 +303,30 @@ impl Part<'_> {
         y: usize,
         stored: impl Fn(u16) -> T,
     ) {
-        let color = self.picture.primaries().map(|plane| plane.row(y));
-        let (shown, looked_up) = (self.picture.shown(), self.looked_up());
+        let shown = self.picture.shown();
         let (pixels, _) = row.as_chunks_mut::<N>();
         for (group, pixels) in pixels.chunks_mut(GROUP).enumerate() {
             let columns = group * GROUP..group * GROUP + pixels.len();
-            let group = color.map(|row| &row[columns.clone()]);
-            if self.are_empty(group, y, columns.clone()) {
+            if self.are_empty(y, &columns) {
                 pixels.as_flattened_mut().fill(stored(0));
-            } else if let Some(codes) = looked_up
-                && self.are_plain(group, shown, y, columns.clone())
-            {
-                for (x, pixel) in pixels.iter_mut().enumerate() {
-                    let [r, g, b] = group.map(|row| codes.code_of_single(row[x]).into());
-                    let codes = [r, g, b, self.max as u16];
-                    *pixel = std::array::from_fn(|i| stored(codes[i]));
-                }
-            } else {
-                let codes = self.codes(shown, y, columns);
-                for (x, pixel) in pixels.iter_mut().enumerate() {
-                    for (sample, codes) in pixel.iter_mut().zip(&codes) {
-                        *sample = stored(codes[x]);
-                    }
+                continue;
+            }
+            let codes = self.codes(shown, y, columns);
+            for (x, pixel) in pixels.iter_mut().enumerate() {
+                for (sample, codes) in pixel.iter_mut().zip(&codes) {
+                    *sample = stored(codes[x]);
                 }
             }
         }
     }
 
-    /// The codes of samples that are opaque and shown as they are, if there is a table of them.
-    fn looked_up(&self) -> Option<&'static SrgbCodes> {
-        let has_table = self.picture.transform == ViewTransform::Srgb && self.max == max_code(8);
-        has_table.then(|| &*SRGB_8)
-    }
-
     /// Whether these columns of a row have neither colour nor alpha.
-    fn are_empty(&self, color: [&[f32]; 3], y: usize, columns: Range<usize>) -> bool {
-        let alpha = self.alpha.map(|alpha| &alpha.row(y)[columns]);
-        let are_zero = |row: &[f32]| row.iter().fold(true, |all, &v| all & (v == 0.0));
-        alpha.is_some_and(are_zero) && color.into_iter().all(are_zero)
-    }
-
-    /// Whether these columns of a row surely are opaque and shown as they are.
-    fn are_plain(
-        &self,
-        color: [&[f32]; 3],
-        shown: Option<Shown>,
-        y: usize,
-        columns: Range<usize>,
-    ) -> bool {
-        let alpha = self.alpha.map(|alpha| &alpha.row(y)[columns.clone()]);
-        let is_opaque = alpha.is_none_or(|row| row.iter().fold(true, |all, &a| all & (a == 1.0)));
-        is_opaque && shown.is_none_or(|shown| shown.leaves(color, y, columns))
+    fn are_empty(&self, y: usize, columns: &Range<usize>) -> bool {
+        let are_zero = |plane: &Plane| {
+            let samples = &plane.row(y)[columns.clone()];
+            samples.iter().fold(true, |all, &v| all & (v == 0.0))
+        };
+        self.alpha.is_some_and(are_zero) && self.picture.primaries().into_iter().all(are_zero)
     }
 
     /// Red, green, blue and alpha of these columns of a row, as codes.

@@ -3,7 +3,7 @@
 use crate::frame::Plane;
 use std::ops::Range;
 
-/// Pixels that are looked at together: most are empty, or opaque and dark enough to be shown as they are.
+/// Pixels that are converted together.
 pub(super) const GROUP: usize = 16;
 
 /// A number of each pixel.

@@ -8,9 +8,6 @@ use crate::io::photo::max_code;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A little less than [`WHITE`]: rounding to single precision misses nothing white.
-const LEAST: f32 = (0.9999 * WHITE) as f32;
-
 /// Numbers of surface pixels that are white in some channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Whites {
@@ -58,7 +55,6 @@ impl Whites {
             ..
         } = picture;
         let shown = display.shown();
-        let gain = display.exposure.exp2().max(1.0);
         let count_in = |y: usize, columns: Range<usize>| {
             let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
                 straight([r, g, b], *alpha, y, columns.clone(), max_code(8)).0
@@ -75,32 +71,13 @@ impl Whites {
                 ..Self::default()
             }
         };
-        // A colour whose largest channel is no brighter than white is not made white.
-        let planes = [Some(*color), before].into_iter().flatten();
-        let planes: Vec<_> = planes
-            .flat_map(|ColorPlanes { r, g, b }| [r, g, b])
-            .collect();
-        let may_be_white = |y: usize, columns: Range<usize>| {
-            let alpha = alpha.map(|alpha| &alpha.row(y)[columns.clone()]);
-            let rows = planes.iter().map(|plane| &plane.row(y)[columns.clone()]);
-            // Without a branch, so that the compiler takes many at a time.
-            let is_bright = |row: &[f32]| match alpha {
-                None => row.iter().fold(false, |any, &v| any | (gain * v >= LEAST)),
-                Some(alpha) => row.iter().zip(alpha).fold(false, |any, (&v, &alpha)| {
-                    any | (gain * v >= LEAST * alpha) | (alpha <= 0.0)
-                }),
-            };
-            rows.into_iter().any(is_bright)
-        };
         let of_row = |y: usize| {
             let mut whites = Self::default();
             for run in mask.runs(y) {
                 whites.of += run.len();
                 for start in run.clone().step_by(GROUP) {
                     let group = start..run.end.min(start + GROUP);
-                    if may_be_white(y, group.clone()) {
-                        whites = whites.with(count_in(y, group));
-                    }
+                    whites = whites.with(count_in(y, group));
                 }
             }
             whites
