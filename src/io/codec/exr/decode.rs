@@ -4,7 +4,7 @@ use super::attributes::text_of_bytes;
 use super::chunks::Place;
 use super::fault::{Fault, Parsed};
 use super::layout::{Area, Layout};
-use super::zip::{Pairs, inflate};
+use super::zip::inflate;
 use crate::io::fence::fenced;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{
@@ -48,7 +48,7 @@ impl Slot {
         };
         match self.sample_type {
             SampleType::F16 => {
-                let halves: &[f16] = words.reinterpret_cast();
+                let halves: &[f16] = words[..into.len()].reinterpret_cast();
                 halves.convert_to_f32_slice(into);
             }
             SampleType::F32 => {
@@ -72,42 +72,9 @@ fn bytes_per_pixel(channels: &[::exr::meta::attribute::ChannelDescription]) -> u
         .sum()
 }
 
-/// A decompressed block: for each row, all samples of one channel after another.
-pub(super) enum Block {
-    /// In the layout of memory.
-    Bytes(Vec<u8>),
-    /// In ZIP's preprocessed form.
-    Differences(Vec<u8>),
-}
-
-/// The 16-bit words of a block, from first to last.
-enum Words<'b> {
-    Stored(&'b [u8]),
-    Differences(Pairs<'b>),
-}
-
-impl Words<'_> {
-    /// Passes over `count` words.
-    fn skip(&mut self, count: usize) {
-        match self {
-            Self::Stored(bytes) => *bytes = &bytes[2 * count..],
-            Self::Differences(pairs) => pairs.skip(count),
-        }
-    }
-
-    /// Fills `into` with the next ones.
-    fn take(&mut self, into: &mut [u16]) {
-        match self {
-            Self::Stored(bytes) => {
-                for (word, &bytes) in into.iter_mut().zip(bytes.as_chunks().0) {
-                    *word = u16::from_ne_bytes(bytes);
-                }
-                self.skip(into.len());
-            }
-            Self::Differences(pairs) => pairs.take(into),
-        }
-    }
-}
+/// The 16-bit words of a decompressed block, in the order of memory: for each row, all samples of one channel after
+/// another.
+pub(super) type Block = Vec<u16>;
 
 /// The rows of a plane, as wide as the picture, that a channel is read to.
 pub(super) struct Target<'t> {
@@ -148,45 +115,25 @@ impl<'t> Rows<'t> {
     /// Copies the part of `block`, whose pixels are those of `area`, in the rows `rows`: those held here.
     pub(super) fn fill(
         &mut self,
-        block: &Block,
+        block: &[u16],
         area: &Area,
         rows: &Range<usize>,
         layout: &Layout,
     ) {
-        let mut block = match block {
-            Block::Bytes(bytes) => Words::Stored(bytes),
-            Block::Differences(bytes) => Words::Differences(Pairs::new(bytes)),
-        };
         let (x, width) = (area.columns.start, area.columns.len());
         let row_words = layout.pixel_bytes / 2 * width;
         let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
-        block.skip((shared.start - area.rows.start) * row_words);
-        let mut words = vec![0; row_words];
-        if let Rows::Samples(planes) = self {
-            planes.sort_by_key(|target| target.slot.before);
-        }
         for y in shared {
+            let words = &block[(y - area.rows.start) * row_words..][..row_words];
             let y = y - rows.start;
             match self {
                 Rows::Samples(planes) => {
-                    let (mut at, mut last) = (0, None);
-                    for target in planes {
-                        let slot = target.slot;
-                        let count = slot.sample_type.bytes_per_sample() / 2 * width;
-                        // A channel may be wanted twice.
-                        if last != Some(slot.before) {
-                            block.skip(slot.before / 2 * width - at);
-                            block.take(&mut words[..count]);
-                            at = slot.before / 2 * width + count;
-                            last = Some(slot.before);
-                        }
-                        let row = &mut target.samples[y * layout.width + x..][..width];
-                        slot.convert(&words[..count], row);
+                    for Target { slot, samples } in planes {
+                        let row = &mut samples[y * layout.width + x..][..width];
+                        slot.convert(&words[slot.before / 2 * width..], row);
                     }
-                    block.skip(row_words - at);
                 }
                 Rows::Bytes(bytes) => {
-                    block.take(&mut words);
                     let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
                     let bytes_per_row = layout.width * layout.pixel_bytes;
                     let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
@@ -224,13 +171,13 @@ pub(super) fn is_dwa(compression: Compression) -> bool {
     matches!(compression, Compression::DWAA(_) | Compression::DWAB(_))
 }
 
-/// Copies of a block while it is decoded: compressed, decompressed, and where the `exr` crate does it one in between.
-pub(super) fn copies(compression: Compression) -> usize {
-    match compression {
-        Compression::Uncompressed => 2,
-        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => 2,
-        _ => 3,
-    }
+/// Copies of a block while it is decoded: compressed, decompressed, and one in between.
+pub(super) const COPIES: usize = 3;
+
+/// The words of bytes in the order of memory.
+fn words(bytes: &[u8]) -> Block {
+    let (pairs, _) = bytes.as_chunks();
+    pairs.iter().map(|&pair| u16::from_ne_bytes(pair)).collect()
 }
 
 /// Decompresses a block of `part` to `size` bytes; `place` is already checked against the part.
@@ -244,15 +191,12 @@ pub(super) fn decode_block(
     let header = &meta.headers[part];
     // Blocks that compression would not shrink are stored uncompressed.
     if OWN_CODEC && bytes.len() == size {
-        return Ok(Block::Bytes(bytes));
+        return Ok(words(&bytes));
     }
     match header.compression {
         Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
-            let mut differences = vec![0; size];
-            match fenced(|| inflate(&bytes, &mut differences)) {
-                Some(inflated) => inflated.map(|()| Block::Differences(differences)),
-                None => Err(contradiction(part, header)),
-            }
+            let inflated = fenced(|| inflate(&bytes, size));
+            inflated.unwrap_or_else(|| Err(contradiction(part, header)))
         }
         _ => decode_foreign(bytes, meta, part, place),
     }
@@ -269,7 +213,7 @@ fn decode_foreign(bytes: Vec<u8>, meta: &MetaData, part: usize, place: Place) ->
         compressed_block: compressed_block(bytes, place),
     };
     match fenced(|| UncompressedBlock::decompress_chunk(chunk, meta, false)) {
-        Some(block) => Ok(Block::Bytes(block?.data)),
+        Some(block) => Ok(words(&block?.data)),
         None => Err(contradiction(part, header)),
     }
 }

@@ -1,7 +1,7 @@
 //! Reading channels: whole, or some rows of them.
 
 use super::chunks::ChunkReader;
-use super::decode::{Rows, Slot, Target, copies, decode_block};
+use super::decode::{COPIES, Rows, Slot, Target, decode_block};
 use super::fault::{Fault, Parsed};
 use super::layout::Layout;
 use super::{ChannelId, ExrFile};
@@ -48,11 +48,11 @@ impl ExrFile {
     }
 
     fn read_each(&self, wanted: &[ChannelId], rows: Option<Range<usize>>) -> Parsed<Vec<Plane>> {
-        self.check_rows(wanted, rows.as_ref())?;
-        let rows_of = |part: usize| match &rows {
-            Some(rows) => rows.clone(),
-            None => 0..self.parts[part].window.height(),
+        let rows_of = |part: usize| {
+            let all = 0..self.parts[part].window.height();
+            rows.clone().unwrap_or(all)
         };
+        self.check_rows(wanted, rows_of)?;
         let blank = |id: &ChannelId| {
             let (width, height) = (self.parts[id.part].window.width(), rows_of(id.part).len());
             Plane::filled(width, height, 0.0)
@@ -78,20 +78,18 @@ impl ExrFile {
         Ok(planes)
     }
 
-    /// Refuses rows (`None`: all) that are more than allowed, before anything is allocated.
-    fn check_rows(&self, wanted: &[ChannelId], rows: Option<&Range<usize>>) -> Parsed<()> {
+    /// Refuses rows of parts that are more than allowed, before anything is allocated.
+    fn check_rows(
+        &self,
+        wanted: &[ChannelId],
+        rows_of: impl Fn(usize) -> Range<usize>,
+    ) -> Parsed<()> {
         let mut planes = 0;
         for id in wanted {
-            let window = self.parts[id.part].window;
-            let count = match rows {
-                Some(rows) => {
-                    let fits = rows.start <= rows.end && rows.end <= window.height();
-                    assert!(fits, "rows {rows:?} are not all in {window}");
-                    rows.len()
-                }
-                None => window.height(),
-            };
-            let pixels = window.width() as u128 * count as u128;
+            let (window, rows) = (self.parts[id.part].window, rows_of(id.part));
+            let fits = rows.start <= rows.end && rows.end <= window.height();
+            assert!(fits, "rows {rows:?} are not all in {window}");
+            let pixels = window.width() as u128 * rows.len() as u128;
             if pixels > u128::from(self.limits.max_pixels) {
                 return Err(Fault::Unsupported {
                     found: format!(
@@ -130,7 +128,7 @@ impl ExrFile {
 /// Most bytes of the blocks of a part that are decoded at one time.
 pub(super) fn decoding_bytes(header: &Header) -> u128 {
     let layout = Layout::of(header);
-    (copies(header.compression) * layout.bands_at_once()) as u128 * layout.band_bytes()
+    (COPIES * layout.bands_at_once()) as u128 * layout.band_bytes()
 }
 
 /// Offsets of the blocks of a part, at full resolution.

@@ -202,7 +202,7 @@ fn sizes(by: &mut Deflate, (low, high): (&[u8], &[u8]), into: &mut [u8]) -> [usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::exr::zip::inflate;
+    use crate::io::exr::zip::zlib::inflate;
 
     /// Bytes that look random (a linear congruential generator).
     fn random(count: usize, seed: u32) -> Vec<u8> {
