@@ -89,69 +89,8 @@ pub(super) struct Model {
     pub(super) principal: Vector2<f64>,
 }
 
-/// Samples whose derivatives are computed at a time.
-const LANES: usize = 8;
-
-/// Sums over samples, by lane: of the products of derivatives, on and below the diagonal, and of those with residuals.
-#[derive(Debug, Default)]
-struct Sums {
-    normal: [[[f64; LANES]; PARAMETERS]; PARAMETERS],
-    gradient: [[f64; LANES]; PARAMETERS],
-}
-
-impl Sums {
-    /// Adds [`LANES`] samples or fewer, each weighted by the threshold over its residual, at most 1: for the first `count`
-    /// parameters.
-    fn add(&mut self, model: &Model, samples: &[Sample], threshold: f64, count: usize) {
-        const ZERO: [f64; LANES] = [0.0; LANES];
-        let (mut weight, mut residual) = (ZERO, [ZERO; 2]);
-        let (mut turned, mut at, mut per_depth) = ([ZERO; 3], [ZERO; 2], ZERO);
-        for (i, sample) in samples.iter().enumerate() {
-            // Without a residual the weight stays 0.
-            let Some(r) = model.residual(sample) else {
-                continue;
-            };
-            let p = model.rotation * sample.point;
-            let w = 1.0 - model.convergence * p.z;
-            let image = (model.scale * p.xy() + model.shift) / w;
-            weight[i] = (threshold / r.norm()).min(1.0);
-            (residual[0][i], residual[1][i]) = (r.x, r.y);
-            (turned[0][i], turned[1][i], turned[2][i]) = (p.x, p.y, p.z);
-            (at[0][i], at[1][i], per_depth[i]) = (image.x, image.y, 1.0 / w);
-        }
-        // Derivatives of the two picture coordinates.
-        let mut by = [[ZERO; 2]; PARAMETERS];
-        for i in 0..LANES {
-            let [x, y, z] = [turned[0][i], turned[1][i], turned[2][i]];
-            let (per_depth, s) = (per_depth[i], model.scale * per_depth[i]);
-            let [u, v] = [at[0][i], at[1][i]];
-            // By depth; and by a small rotation omega, dp = omega x p.
-            let (uz, vz) = (
-                u * model.convergence * per_depth,
-                v * model.convergence * per_depth,
-            );
-            (by[0][0][i], by[0][1][i]) = (uz * y, vz * y - s * z);
-            (by[1][0][i], by[1][1][i]) = (s * z - uz * x, -vz * x);
-            (by[2][0][i], by[2][1][i]) = (-s * y, s * x);
-            (by[3][0][i], by[4][1][i]) = (per_depth, per_depth);
-            (by[5][0][i], by[5][1][i]) = (s * x, s * y);
-            (by[6][0][i], by[6][1][i]) = (u * z * per_depth, v * z * per_depth);
-            (by[7][0][i], by[8][1][i]) = (1.0, 1.0);
-        }
-        for row in 0..count {
-            let (mut u, mut v) = (ZERO, ZERO);
-            for i in 0..LANES {
-                (u[i], v[i]) = (weight[i] * by[row][0][i], weight[i] * by[row][1][i]);
-                self.gradient[row][i] += u[i] * residual[0][i] + v[i] * residual[1][i];
-            }
-            for (sum, by) in self.normal[row].iter_mut().zip(&by).take(row + 1) {
-                for i in 0..LANES {
-                    sum[i] += u[i] * by[0][i] + v[i] * by[1][i];
-                }
-            }
-        }
-    }
-}
+/// Derivatives of a sample's position by the parameters.
+type Derivatives = SMatrix<f64, 2, PARAMETERS>;
 
 fn huber(error: f64, threshold: f64) -> f64 {
     if error <= threshold {
@@ -259,22 +198,42 @@ impl Model {
             .sum()
     }
 
+    /// The residual of a sample, and its derivatives.
+    fn linearised(&self, sample: &Sample) -> Option<(Vector2<f64>, Derivatives)> {
+        let residual = self.residual(sample)?;
+        let p = self.rotation * sample.point;
+        let w = 1.0 - self.convergence * p.z;
+        let (image, per_depth) = ((self.scale * p.xy() + self.shift) / w, 1.0 / w);
+        let s = self.scale * per_depth;
+        let nearer = image * self.convergence * per_depth;
+        let converging = image * p.z * per_depth;
+        let by = [
+            [nearer.x * p.y, nearer.y * p.y - s * p.z],
+            [s * p.z - nearer.x * p.x, -nearer.y * p.x],
+            [-s * p.y, s * p.x],
+            [per_depth, 0.0],
+            [0.0, per_depth],
+            [s * p.x, s * p.y],
+            [converging.x, converging.y],
+            [1.0, 0.0],
+            [0.0, 1.0],
+        ];
+        Some((residual, by.into()))
+    }
+
+    /// Sums over samples of the products of derivatives, and of those with residuals, each weighted by the threshold
+    /// over the residual, at most 1.
     fn normal_equations(&self, samples: &[Sample], threshold: f64, free: Free) -> (Normal, Step) {
-        let mut sums = Sums::default();
-        for samples in samples.chunks(LANES) {
-            sums.add(self, samples, threshold, free.count());
-        }
         let (mut normal, mut gradient) = (Normal::zeros(), Step::zeros());
-        for row in 0..free.count() {
-            gradient[row] = sums.gradient[row].iter().sum();
-            for column in 0..=row {
-                let sum: f64 = sums.normal[row][column].iter().sum();
-                (normal[(row, column)], normal[(column, row)]) = (sum, sum);
-            }
+        for (residual, by) in samples.iter().filter_map(|sample| self.linearised(sample)) {
+            let weighted = by * (threshold / residual.norm()).min(1.0);
+            normal += weighted.tr_mul(&by);
+            gradient += weighted.tr_mul(&residual);
         }
-        // Parameters that are held keep a row of their own.
         for i in free.count()..PARAMETERS {
-            normal[(i, i)] = 1.0;
+            normal.row_mut(i).fill(0.0);
+            normal.column_mut(i).fill(0.0);
+            (normal[(i, i)], gradient[i]) = (1.0, 0.0);
         }
         (normal, gradient)
     }
