@@ -36,14 +36,12 @@ impl Frame {
     /// see [`super::gap::of_frame::parted`].
     pub(super) fn calmed(&self, parted: &Plane<[bool; 2]>) -> Option<Frame> {
         let depth = self.depth.as_ref()?;
-        let is_at_silhouette = Plane::of_rows(depth.width(), depth.height(), |y, row| {
-            for (x, is_at) in row.iter_mut().enumerate() {
-                let is_hidden = |[i, k]: [usize; 2], is_parted: bool| {
-                    !self.mask.at(i, k) || is_parted && depth.at(x, y) < depth.at(i, k)
-                };
-                *is_at = self.mask.at(x, y)
-                    && is_beside(parted, [x, y]).any(|(at, is_parted)| is_hidden(at, is_parted));
-            }
+        let is_at_silhouette = Plane::of_pixels(depth.width(), depth.height(), |x, y| {
+            let is_hidden = |[i, k]: [usize; 2], is_parted: bool| {
+                !self.mask.at(i, k) || is_parted && depth.at(x, y) < depth.at(i, k)
+            };
+            self.mask.at(x, y)
+                && is_beside(parted, [x, y]).any(|(at, is_parted)| is_hidden(at, is_parted))
         });
         let size = self.display_window.size_px();
         let reach = ((REACH * size).round() as usize).max(LEAST_REACH);
@@ -69,15 +67,13 @@ fn share_around(is_set: &Plane<bool>, reach: usize) -> Plane {
         }
     }
     let (sums, all) = (&sums, ((2 * reach + 1) as f32).powi(2));
-    Plane::of_rows(width, height, |y, row| {
+    Plane::of_pixels(width, height, |x, y| {
         let (top, bottom) = (y.saturating_sub(reach), (y + reach + 1).min(height));
-        for (x, share) in row.iter_mut().enumerate() {
-            let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(width));
-            let before = |x: usize, y: usize| sums[y * (width + 1) + x];
-            let sum = before(right, bottom) + before(left, top);
-            let sum = sum - before(left, bottom) - before(right, top);
-            *share = sum as f32 / all;
-        }
+        let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(width));
+        let before = |x: usize, y: usize| sums[y * (width + 1) + x];
+        let sum = before(right, bottom) + before(left, top);
+        let sum = sum - before(left, bottom) - before(right, top);
+        sum as f32 / all
     })
 }
 
@@ -158,10 +154,8 @@ impl<'a> Masses<'a> {
         calm.objects = frame.objects.clone();
         if let Some(lengths) = &mut calm.normal_length {
             // A mass has no edges within pixels.
-            lengths.each_row(|y, row| {
-                let pixels = row.iter_mut().zip(self.middle.row(y));
-                let masses = pixels.filter(|(_, middle)| !middle.is_nan());
-                masses.for_each(|(length, _)| *length = 1.0);
+            lengths.each_with(&self.middle, |length, middle| {
+                *length = if middle.is_nan() { *length } else { 1.0 };
             });
         }
         calm.normal.make_unit();

@@ -116,10 +116,8 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
 }
 
 fn blank_outside(depth: &mut Plane, mask: &Mask) {
-    depth.each_row(|y, row| {
-        for (sample, &covered) in row.iter_mut().zip(mask.row(y)) {
-            *sample = if covered { *sample } else { 0.0 };
-        }
+    depth.each_with(mask.plane(), |sample, covered| {
+        *sample = if covered { *sample } else { 0.0 };
     });
 }
 

@@ -378,9 +378,8 @@ pub(super) fn samples<T: Copy + Default + Send>(
 ) -> Plane<T> {
     Plane::of_rows(width, height, |y, row| {
         let row = if goes_on() { row } else { &mut [] };
-        for (x, out) in row.iter_mut().enumerate() {
-            *out = sample(x, y);
-        }
+        let samples = row.iter_mut().enumerate();
+        samples.for_each(|(x, out)| *out = sample(x, y));
     })
 }
 

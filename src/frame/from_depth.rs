@@ -54,13 +54,10 @@ pub(crate) fn normals_of_depth(
             -1.0 / nearness
         }
     };
-    let mut values = Plane::filled(depth.width(), depth.height(), 0.0);
-    values.each_row(|y, row| {
-        for (x, (to, &d)) in row.iter_mut().zip(depth.row(y)).enumerate() {
-            let value = value(x, y, d);
-            let is_value = shown(x, y) && value.abs() < TOO_LARGE;
-            *to = if is_value { value } else { f32::NAN };
-        }
+    let mut values = Plane::of_pixels(depth.width(), depth.height(), |x, y| {
+        let value = value(x, y, depth.at(x, y));
+        let is_value = shown(x, y) && value.abs() < TOO_LARGE;
+        if is_value { value } else { f32::NAN }
     });
     // Rounding of distances, as it is in their inverses: the derivative of 1/z is -1/z^2.
     let of_distance = |far: f32| {

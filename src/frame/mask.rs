@@ -77,6 +77,12 @@ impl Mask {
         self.covered.at(x, y)
     }
 
+    /// Whether there is a pixel at column `x` of row `y`, and covered.
+    #[inline]
+    pub(crate) fn has(&self, x: usize, y: usize) -> bool {
+        self.covered.get(x, y) == Some(true)
+    }
+
     /// Number of covered pixels.
     pub fn count(&self) -> usize {
         self.count

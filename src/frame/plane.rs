@@ -1,6 +1,6 @@
 //! Planes: one quantity, one value per pixel.
 
-use crate::frame::Window;
+use crate::frame::{Mask, Window};
 use glam::{DVec3, Vec2, Vec3};
 use ndarray::{ArrayView2, ArrayViewMut2};
 use rayon::prelude::*;
@@ -63,6 +63,19 @@ impl<T: Copy> Plane<T> {
     /// The sample at column `x` of row `y`.
     pub fn at(&self, x: usize, y: usize) -> T {
         self.row(y)[x]
+    }
+
+    /// The sample at column `x` of row `y`, if there is one.
+    #[inline]
+    pub(crate) fn get(&self, x: usize, y: usize) -> Option<T> {
+        (x < self.width && y < self.height).then(|| self.samples[y * self.width + x])
+    }
+
+    /// The sample of the pixel at a place, if there is one.
+    #[inline]
+    pub(crate) fn within(&self, at: Vec2) -> Option<T> {
+        let is_inside = at.x >= 0.0 && at.y >= 0.0;
+        is_inside.then(|| self.get(at.x as usize, at.y as usize))?
     }
 
     /// Column and row of the pixel at a place (x right, y down, edges of pixels at integers), or nearest to it.
@@ -134,6 +147,50 @@ impl<T: Copy> Plane<T> {
         let mut plane = Self::filled(width, height, T::default());
         plane.each_row(work);
         plane
+    }
+
+    /// A plane of `sample(x, y)`, rows in parallel.
+    pub(crate) fn of_pixels(
+        width: usize,
+        height: usize,
+        sample: impl Fn(usize, usize) -> T + Sync,
+    ) -> Self
+    where
+        T: Default + Send,
+    {
+        Self::of_rows(width, height, |y, row| {
+            let samples = row.iter_mut().enumerate();
+            samples.for_each(|(x, own)| *own = sample(x, y));
+        })
+    }
+
+    /// A plane of `row(y)(x)` where covered, zero elsewhere, rows in parallel.
+    pub(crate) fn of_covered<Sample: Fn(usize) -> T>(
+        mask: &Mask,
+        row: impl Fn(usize) -> Sample + Sync,
+    ) -> Self
+    where
+        T: Default + Send,
+    {
+        Self::of_rows(mask.width(), mask.height(), |y, samples| {
+            let sample = row(y);
+            let covered = mask.runs(y).flatten();
+            covered.for_each(|x| samples[x] = sample(x));
+        })
+    }
+
+    /// Changes every sample by that of another plane of this size, rows in parallel.
+    pub(crate) fn each_with<U: Copy + Sync>(
+        &mut self,
+        other: &Plane<U>,
+        change: impl Fn(&mut T, U) + Sync,
+    ) where
+        T: Send,
+    {
+        self.each_row(|y, row| {
+            let samples = row.iter_mut().zip(other.row(y));
+            samples.for_each(|(own, &other)| change(own, other));
+        });
     }
 
     /// Calls `work(y, row)` for every row, rows in parallel.

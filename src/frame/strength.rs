@@ -8,8 +8,7 @@ use super::coverage::shares;
 pub(crate) fn strength_of(mask: Option<Plane>, objects: Option<Plane>) -> Option<Plane> {
     match (mask.map(shares), objects.map(shares)) {
         (Some(mut mask), Some(objects)) => {
-            let samples = mask.samples_mut().iter_mut().zip(objects.samples());
-            samples.for_each(|(share, object)| *share *= object);
+            mask.each_with(&objects, |share, object| *share *= object);
             Some(mask)
         }
         (mask, objects) => mask.or(objects),

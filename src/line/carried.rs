@@ -50,11 +50,9 @@ impl<'a> Carrier<'a> {
 
     /// The way that the surface at a position came, rows down.
     fn come(&self, at: Vec2) -> Option<Vec2> {
-        let is_inside = at.x >= 0.0 && at.y >= 0.0;
-        let (x, y) = (at.x as usize, at.y as usize);
-        let (mask, motion) = (self.mask, self.motion);
-        let is_covered = is_inside && x < mask.width() && y < mask.height() && mask.at(x, y);
-        is_covered.then(|| Vec2::new(motion.x.at(x, y), -motion.y.at(x, y)))
+        let is_covered = self.mask.plane().within(at)?;
+        let motion = self.motion;
+        is_covered.then(|| Vec2::new(motion.x.nearest(at), -motion.y.nearest(at)))
     }
 }
 

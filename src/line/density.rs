@@ -18,12 +18,8 @@ pub(crate) fn coverage_at(density: f32) -> f32 {
 
 /// Removes ink beyond the surface: there it is under the line of the silhouette.
 pub(crate) fn keep_inside(ink: &mut Plane, mask: &Mask) {
-    ink.each_row(|y, row| {
-        let beyond = row
-            .iter_mut()
-            .zip(mask.row(y))
-            .filter(|(_, is_inside)| !**is_inside);
-        beyond.for_each(|(ink, _)| *ink = 0.0);
+    ink.each_with(mask.plane(), |ink, is_inside| {
+        *ink = if is_inside { *ink } else { 0.0 };
     });
 }
 

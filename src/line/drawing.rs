@@ -11,7 +11,6 @@ use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::white_level;
-use rayon::prelude::*;
 
 /// The verdict on a step of drawings.
 pub(crate) fn is_drawn(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict) -> Verdict {
@@ -148,9 +147,7 @@ impl Tone {
 
 /// The share of the paper that is covered at optical densities.
 fn covering(mut density: Plane) -> Plane {
-    let samples = density.samples_mut().par_iter_mut();
-    let samples = samples.with_min_len(1 << 14);
-    samples.for_each(|density| *density = coverage_at(*density));
+    density.each_row(|_, row| row.iter_mut().for_each(|v| *v = coverage_at(*v)));
     density
 }
 

@@ -7,15 +7,10 @@ pub(crate) fn faded(ink: &mut Plane, strength: Option<&Plane>, share: f32) {
     if strength.is_none() && share == 1.0 {
         return;
     }
-    ink.each_row(|y, row| match strength {
-        Some(strength) => {
-            let strengths = strength.row(y);
-            row.iter_mut()
-                .zip(strengths)
-                .for_each(|(ink, strength)| *ink *= share * strength);
-        }
-        None => row.iter_mut().for_each(|ink| *ink *= share),
-    });
+    match strength {
+        Some(strength) => ink.each_with(strength, |ink, strength| *ink *= share * strength),
+        None => ink.each_row(|_, row| row.iter_mut().for_each(|ink| *ink *= share)),
+    }
 }
 
 /// The largest sample of the square of `reach` pixels to each side of each pixel.

@@ -7,14 +7,9 @@ pub fn on_paper(layers: &[&Plane]) -> ColorPlanes {
     let (first, rest) = layers.split_first().expect("a drawing has a layer");
     let mut white = first.map(|ink| 1.0 - ink);
     for layer in rest {
-        let samples = white.samples_mut().iter_mut().zip(layer.samples());
-        samples.for_each(|(white, ink)| *white *= 1.0 - ink);
+        white.each_with(layer, |white, ink| *white *= 1.0 - ink);
     }
-    ColorPlanes {
-        r: white.clone(),
-        g: white.clone(),
-        b: white,
-    }
+    ColorPlanes::grey(white)
 }
 
 /// Height of the paper at a pixel, 0..1: noise of about two pixels' size, fixed by the seed and the position.

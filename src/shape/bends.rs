@@ -28,7 +28,7 @@ pub(crate) fn bends(frame: &Frame) -> bool {
     let apart = ((APART * size).round() as usize).max(1);
     let [across, down] = [width, height].map(|side| (side / LOOKED_AT).max(1));
     let normal = |x: usize, y: usize| {
-        let is_known = x < width && y < height && frame.mask.at(x, y);
+        let is_known = frame.mask.has(x, y);
         is_known
             .then(|| frame.normal.at(x, y))
             .filter(|normal| normal.is_finite())

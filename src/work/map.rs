@@ -108,11 +108,9 @@ impl MadeMap {
             facing
         };
         let shown = |(mut plane, outside): (Plane, f32)| {
-            plane.each_row(|y, row| {
-                for (v, &covered) in row.iter_mut().zip(mask.row(y)) {
-                    let grey = ((*v - black) * scale).clamp(0.0, 1.0);
-                    *v = if covered { grey } else { outside };
-                }
+            plane.each_with(mask.plane(), |v, covered| {
+                let grey = ((*v - black) * scale).clamp(0.0, 1.0);
+                *v = if covered { grey } else { outside };
             });
             plane
         };
@@ -438,12 +436,9 @@ impl MapArgs {
         let weights = weights_for(&self.sum, all.len()).expect("they are checked");
         let total: f32 = weights.iter().map(|weight| weight.abs()).sum();
         let mut sum = Plane::filled(all[0].width(), all[0].height(), 0.0);
-        sum.each_row(|y, row| {
-            for (plane, weight) in all.iter().zip(&weights) {
-                let samples = row.iter_mut().zip(plane.row(y));
-                samples.for_each(|(sum, kappa)| *sum += weight / total * kappa);
-            }
-        });
+        for (plane, weight) in all.iter().zip(&weights) {
+            sum.each_with(plane, |sum, kappa| *sum += weight / total * kappa);
+        }
         sum
     }
 }
@@ -468,9 +463,6 @@ fn larger(one: Option<Plane>, other: Option<Plane>) -> Option<Plane> {
         (Some(one), Some(other)) => (one, other),
         (one, other) => return one.or(other),
     };
-    one.each_row(|y, row| {
-        let samples = row.iter_mut().zip(other.row(y));
-        samples.for_each(|(one, other)| *one = one.max(*other));
-    });
+    one.each_with(&other, |one, other| *one = one.max(other));
     Some(one)
 }

@@ -198,9 +198,5 @@ pub(super) fn mix_color(work: &WorkArgs, frame: &Frame, outcome: &mut Outcome) {
 /// Ink that is there or not.
 fn without_grey(color: &ColorPlanes) -> ColorPlanes {
     let light = bilevel(&color.r);
-    ColorPlanes {
-        r: light.clone(),
-        g: light.clone(),
-        b: light,
-    }
+    ColorPlanes::grey(light)
 }

@@ -80,8 +80,7 @@ impl<'a> Gaps<'a> {
 
     #[inline]
     fn is_covered(&self, [x, y]: [usize; 2]) -> bool {
-        let mask = &self.frame.mask;
-        x < mask.width() && y < mask.height() && mask.at(x, y)
+        self.frame.mask.has(x, y)
     }
 
     /// The gap after a pixel, in pixels, where it makes a silhouette.
@@ -144,10 +143,8 @@ impl<'a> Gaps<'a> {
 pub(crate) fn parted(frame: &Frame, threshold: SoftThreshold) -> Option<Plane<[bool; 2]>> {
     let depth = frame.depth.as_ref()?;
     let gaps = Gaps::new(frame, depth, threshold);
-    Some(Plane::of_rows(depth.width(), depth.height(), |y, row| {
-        for (x, parted) in row.iter_mut().enumerate() {
-            *parted = [0, 1].map(|axis| gaps.parts_after([x, y], axis));
-        }
+    Some(Plane::of_pixels(depth.width(), depth.height(), |x, y| {
+        [0, 1].map(|axis| gaps.parts_after([x, y], axis))
     }))
 }
 
@@ -158,11 +155,9 @@ pub(crate) fn is_beside(
 ) -> impl Iterator<Item = ([usize; 2], bool)> {
     let before = [(x.wrapping_sub(1), y, 0), (x, y.wrapping_sub(1), 1)];
     let after = [(x + 1, y, 0), (x, y + 1, 1)];
-    let (width, height) = (parted.width(), parted.height());
-    let is_inside = move |x: usize, y: usize| x < width && y < height;
-    let before =
-        before.map(|(i, k, axis)| is_inside(i, k).then(|| ([i, k], parted.at(i, k)[axis])));
-    let after = after.map(|(i, k, axis)| is_inside(i, k).then(|| ([i, k], parted.at(x, y)[axis])));
+    let before = before.map(|(i, k, axis)| Some(([i, k], parted.get(i, k)?[axis])));
+    let own = parted.at(x, y);
+    let after = after.map(|(i, k, axis)| parted.get(i, k).map(|_| ([i, k], own[axis])));
     before.into_iter().chain(after).flatten()
 }
 

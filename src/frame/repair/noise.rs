@@ -39,24 +39,16 @@ pub(crate) fn denoise(stored: &mut Vector3Planes, wraps: [bool; 2]) {
     let whole = Window::from_size(stored.x.width(), stored.x.height());
     let around = with_margins(whole, DENOISING_REACH, wraps);
     let Vector3Planes { x, y, z } = stored;
-    let run = |z: &f32| (2.0 * z - 1.0).abs().max(LEAST_Z);
+    let run = |z: f32| (2.0 * z - 1.0).abs().max(LEAST_Z);
     for plane in [&mut *x, &mut *y] {
-        plane.each_row(|y, row| {
-            for (code, z) in row.iter_mut().zip(z.row(y)) {
-                *code = (2.0 * *code - 1.0) / run(z);
-            }
-        });
+        plane.each_with(z, |code, z| *code = (2.0 * *code - 1.0) / run(z));
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
         *plane = plane.repeated(whole, around);
     }
     quieten([x, y], OCTAVES);
     for plane in [x, y] {
         *plane = plane.crop(around, whole);
-        plane.each_row(|y, row| {
-            for (slope, z) in row.iter_mut().zip(z.row(y)) {
-                *slope = 0.5 * (*slope * run(z) + 1.0);
-            }
-        });
+        plane.each_with(z, |slope, z| *slope = 0.5 * (*slope * run(z) + 1.0));
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
 }

@@ -73,8 +73,7 @@ fn curl_and_divergence(
     });
     let slope = |of: &Plane| {
         let mut slope = of_block(&|x, y| of.at(x, y));
-        let runs = slope.samples_mut().iter_mut().zip(run.samples());
-        runs.for_each(|(slope, run)| *slope /= run);
+        slope.each_with(&run, |slope, run| *slope /= run);
         slope
     };
     let [p, q] = [&normal.x, &normal.y].map(slope);

@@ -112,26 +112,19 @@ fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32)
 
 /// Sum of a field's changes from each pixel to the next ones, times `scale`.
 fn steps_of(field: &Plane, scale: f32) -> Plane {
-    Plane::of_rows(field.width(), field.height(), |y, steps| {
-        let (row, below) = (field.row(y), field.row((y + 1).min(field.height() - 1)));
-        let right = row[1..].iter().chain(row.last());
-        for (step, ((&here, &right), &below)) in
-            steps.iter_mut().zip(row.iter().zip(right).zip(below))
-        {
-            let (dx, dy) = (right - here, below - here);
-            *step = scale * (dx * dx + dy * dy).sqrt();
-        }
+    let (width, height) = (field.width(), field.height());
+    Plane::of_pixels(width, height, |x, y| {
+        let here = field.at(x, y);
+        let dx = field.at((x + 1).min(width - 1), y) - here;
+        let dy = field.at(x, (y + 1).min(height - 1)) - here;
+        scale * (dx * dx + dy * dy).sqrt()
     })
 }
 
 /// Twice a mean minus its own mean: restores the amount that the mean takes off a bend.
 fn without_bias(mean: &Plane) -> Plane {
     let mut twice = smoothed(mean);
-    twice.each_row(|y, row| {
-        for (twice, &once) in row.iter_mut().zip(mean.row(y)) {
-            *twice = 2.0 * once - *twice;
-        }
-    });
+    twice.each_with(mean, |twice, once| *twice = 2.0 * once - *twice);
     twice
 }
 

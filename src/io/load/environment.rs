@@ -321,17 +321,11 @@ fn color_sources(file: &Rc<Opened>) -> Option<Vec<RoleSource>> {
     RoleSource::in_file(Role::Color, file).map(|source| vec![source])
 }
 
-fn sum(a: ColorPlanes, b: ColorPlanes) -> ColorPlanes {
-    let add = |mut a: Plane, b: Plane| {
-        let samples = a.samples_mut().iter_mut().zip(b.samples());
-        samples.for_each(|(a, b)| *a += b);
-        a
-    };
-    ColorPlanes {
-        r: add(a.r, b.r),
-        g: add(a.g, b.g),
-        b: add(a.b, b.b),
+fn sum(mut a: ColorPlanes, b: ColorPlanes) -> ColorPlanes {
+    for (a, b) in [(&mut a.r, b.r), (&mut a.g, b.g), (&mut a.b, b.b)] {
+        a.each_with(&b, |a, b| *a += b);
     }
+    a
 }
 
 #[cfg(test)]

@@ -338,18 +338,14 @@ impl Layers {
             return Some(strength);
         }
         self.coverage = Some(match self.coverage.take() {
-            Some(covered) => smaller(covered, &strength),
+            Some(mut covered) => {
+                covered.each_with(&strength, |share, other| *share = share.min(other));
+                covered
+            }
             None => strength,
         });
         None
     }
-}
-
-/// The smaller of the samples of two planes.
-fn smaller(mut plane: Plane, other: &Plane) -> Plane {
-    let samples = plane.samples_mut().iter_mut().zip(other.samples());
-    samples.for_each(|(sample, other)| *sample = sample.min(*other));
-    plane
 }
 
 /// Source of a frame, and the pixels to read.

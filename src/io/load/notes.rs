@@ -55,10 +55,8 @@ fn share_at_steps(depth: &Plane, mask: &Mask) -> f64 {
     let is_step = |a: f32, b: f32| a > STEP * b || b > STEP * a;
     let (mut count, mut steps) = (0_usize, 0_usize);
     for (x, y) in mask.sample(WANTED) {
-        let steps_to = |x: usize, y: usize, here: f32| {
-            let is_inside = x < depth.width() && y < depth.height();
-            is_inside && mask.at(x, y) && is_step(here, depth.at(x, y))
-        };
+        let steps_to =
+            |x: usize, y: usize, here: f32| mask.has(x, y) && is_step(here, depth.at(x, y));
         let here = depth.at(x, y);
         count += 1;
         steps += usize::from(steps_to(x + 1, y, here) || steps_to(x, y + 1, here));

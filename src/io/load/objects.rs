@@ -190,11 +190,8 @@ pub(crate) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<
     };
     if !unwanted.is_empty() {
         let without = sum(&left_out, None)?;
-        let samples = covered.samples_mut().iter_mut();
         // Of objects by material and by name it is not known how they overlap: as little is left out as may be.
-        samples
-            .zip(without.samples())
-            .for_each(|(share, without)| *share = share.min(1.0 - without));
+        covered.each_with(&without, |share, without| *share = share.min(1.0 - without));
     }
     Ok(covered)
 }
@@ -347,10 +344,7 @@ fn summed(
     let mut covered = Plane::filled(window.width(), window.height(), 0.0);
     let mut take = |plane: &Plane, own: Window| {
         let moved = plane.moved(own, window, 0.0);
-        let samples = covered.samples_mut().iter_mut();
-        samples
-            .zip(moved.samples())
-            .for_each(|(largest, &share)| *largest = share.max(*largest));
+        covered.each_with(&moved, |largest, share| *largest = share.max(*largest));
     };
     for (i, layer) in hashed.iter().enumerate() {
         let mut numbers = found.hashed[i].clone();

@@ -46,8 +46,7 @@ impl RolePlanes {
             return;
         };
         for plane in &mut self.planes {
-            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
-            samples.for_each(|(sample, alpha)| *sample *= alpha);
+            plane.each_with(alpha, |sample, alpha| *sample *= alpha);
         }
     }
 
@@ -55,10 +54,9 @@ impl RolePlanes {
     pub(crate) fn decode(&mut self) {
         let decoded = |v: f32| srgb::decoded(v.into()) as f32;
         for plane in &mut self.planes {
-            let samples = plane.samples_mut().iter_mut();
             match &self.alpha {
-                None => samples.for_each(|v| *v = decoded(*v)),
-                Some(alpha) => samples.zip(alpha.samples()).for_each(|(v, &a)| {
+                None => *plane = plane.map(decoded),
+                Some(alpha) => plane.each_with(alpha, |v, a| {
                     if a > 0.0 {
                         *v = a * decoded(*v / a);
                     }

@@ -24,22 +24,20 @@ pub(super) fn distances(region: &Plane<bool>, most: f32) -> Plane {
             }
         }
     }
-    Plane::of_rows(width, height, |y, row| {
+    Plane::of_pixels(width, height, |x, y| {
         let along = along.row(y);
-        for (x, sample) in row.iter_mut().enumerate() {
-            let mut least = along[x] * along[x];
-            let mut by = 1;
-            while ((by * by) as f32) < least && by as f32 <= most {
-                let beside = [x.checked_sub(by), Some(x + by).filter(|&x| x < width)];
-                for x in beside.into_iter().flatten() {
-                    least = least.min(along[x] * along[x] + (by * by) as f32);
-                }
-                by += 1;
+        let mut least = along[x] * along[x];
+        let mut by = 1;
+        while ((by * by) as f32) < least && by as f32 <= most {
+            let beside = [x.checked_sub(by), Some(x + by).filter(|&x| x < width)];
+            for x in beside.into_iter().flatten() {
+                least = least.min(along[x] * along[x] + (by * by) as f32);
             }
-            *sample = match least <= most * most {
-                true => least.sqrt(),
-                false => f32::INFINITY,
-            };
+            by += 1;
+        }
+        match least <= most * most {
+            true => least.sqrt(),
+            false => f32::INFINITY,
         }
     })
 }

@@ -75,13 +75,10 @@ impl Thresholds {
                 }
             }
         });
-        let mut of_squares = Plane::filled(columns, rows, MIDDLE);
-        of_squares.each_row(|row, thresholds| {
-            for (column, threshold) in thresholds.iter_mut().enumerate() {
-                *threshold = around(&greys, column, row).threshold();
-            }
-        });
-        Self { of_squares }
+        let threshold = |column, row| around(&greys, column, row).threshold();
+        Self {
+            of_squares: Plane::of_pixels(columns, rows, threshold),
+        }
     }
 
     /// The threshold at a pixel, interpolated between those of the surrounding squares.
@@ -104,12 +101,9 @@ fn around(greys: &Plane<Greys>, column: usize, row: usize) -> Greys {
     let reach = WEIGHTS.len() / 2;
     for (j, down) in WEIGHTS.iter().enumerate() {
         for (i, across) in WEIGHTS.iter().enumerate() {
-            let (x, y) = (
-                (column + i).wrapping_sub(reach),
-                (row + j).wrapping_sub(reach),
-            );
-            if x < greys.width() && y < greys.height() {
-                sum.add_all(&greys.at(x, y), across * down);
+            let [x, y] = [column + i, row + j].map(|at| at.wrapping_sub(reach));
+            if let Some(greys) = greys.get(x, y) {
+                sum.add_all(&greys, across * down);
             }
         }
     }

@@ -62,8 +62,8 @@ impl<'a> Rims<'a> {
     pub(super) fn is_near(&self, x: usize, y: usize) -> bool {
         self.around.iter().any(|&[dx, dy]| {
             let (x, y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
-            let is_inside = x < self.mask.width() && y < self.mask.height();
-            is_inside && (!self.mask.at(x, y) || self.conductance.at(x, y) < 0.5)
+            let covered = self.mask.plane().get(x, y);
+            covered.is_some_and(|covered| !covered || self.conductance.at(x, y) < 0.5)
         })
     }
 }

@@ -53,16 +53,6 @@ impl Viewer {
 
     /// n.v of all of a level; 0 outside its mask.
     pub(super) fn facings(&self, normals: &Plane<Vec3>, mask: &Mask) -> Plane {
-        let width = normals.width();
-        let mut facings = Plane::filled(width, normals.height(), 0.0);
-        facings.each_row(|y, row| {
-            let normals = normals.row(y);
-            for run in mask.runs(y) {
-                for x in run {
-                    row[x] = self.facing(x, y, normals[x]);
-                }
-            }
-        });
-        facings
+        Plane::of_covered(mask, |y| move |x| self.facing(x, y, normals.at(x, y)))
     }
 }

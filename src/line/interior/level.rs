@@ -141,17 +141,10 @@ impl Level {
     }
 
     fn units(&self, across: &Vector2Planes, z: &Plane) -> Plane<Vec3> {
-        let (width, mask) = (z.width(), &self.frame.mask);
-        let mut normals = Plane::filled(width, z.height(), Vec3::ZERO);
-        normals.each_row(|y, row| {
+        Plane::of_covered(&self.frame.mask, |y| {
             let [across_x, across_y, z] = [&across.x, &across.y, z].map(|plane| plane.row(y));
-            for run in mask.runs(y) {
-                for x in run {
-                    row[x] = Vec3::new(across_x[x], across_y[x], z[x]).normalize_or_zero();
-                }
-            }
-        });
-        normals
+            move |x| Vec3::new(across_x[x], across_y[x], z[x]).normalize_or_zero()
+        })
     }
 }
 

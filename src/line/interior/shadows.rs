@@ -83,8 +83,7 @@ fn rows(planes: &ColorPlanes, y: usize) -> [&[f32]; 3] {
 fn slope(plane: &Plane, mask: &Mask, x: usize, y: usize) -> Vec2 {
     let at = |dx: isize, dy: isize| {
         let (bx, by) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
-        let is_inside = bx < mask.width() && by < mask.height() && mask.at(bx, by);
-        if is_inside {
+        if mask.has(bx, by) {
             plane.at(bx, by)
         } else {
             plane.at(x, y)

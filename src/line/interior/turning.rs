@@ -77,17 +77,10 @@ fn rows_around(normals: &Plane<Vec3>, y: usize) -> [&[Vec3]; 3] {
 
 /// The view-dependent curvature of normals, in radians per pixel; 0 outside the mask.
 pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
-    let (width, height) = (normals.width(), normals.height());
-    let mut curvature = Plane::filled(width, height, 0.0);
-    curvature.each_row(|y, row| {
+    Plane::of_covered(mask, |y| {
         let around = rows_around(normals, y);
-        for run in mask.runs(y) {
-            for x in run {
-                row[x] = Turning::between(around, x).largest();
-            }
-        }
-    });
-    curvature
+        move |x| Turning::between(around, x).largest()
+    })
 }
 
 /// The larger eigenvalue of a symmetric matrix.

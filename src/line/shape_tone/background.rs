@@ -172,8 +172,7 @@ fn reached_beside(
         ]
     });
     let is_new = |&[x, y]: &[usize; 2]| {
-        let is_inside = x < mask.width() && y < mask.height() && mask.at(x, y);
-        let is_plain = is_inside && !found.at(x, y) && activity(x, y) < PLAIN;
+        let is_plain = mask.has(x, y) && !found.at(x, y) && activity(x, y) < PLAIN;
         if is_plain {
             found.row_mut(y)[x] = true;
         }

@@ -81,9 +81,8 @@ impl<'a> Field<'a> {
         (density > 0.0).then(|| (APART / density.sqrt()).min(FARTHEST * self.radius))
     }
 
-    /// Dots in a pixel.
-    fn density(&self, x: usize, y: usize) -> f32 {
-        let ink = self.ink.at(x, y);
+    /// Dots in a pixel of this ink.
+    fn density(&self, ink: f32) -> f32 {
         // NaN counts as none.
         if ink > 0.0 {
             laid(ink.min(1.0)) / self.area
@@ -94,12 +93,7 @@ impl<'a> Field<'a> {
 
     /// Dots in the pixel of a place, 0 beyond the paper.
     pub(super) fn at(&self, at: Vec2) -> f32 {
-        let inside = at.x >= 0.0 && at.y >= 0.0;
-        let (x, y) = (at.x as usize, at.y as usize);
-        match inside && x < self.ink.width() && y < self.ink.height() {
-            true => self.density(x, y),
-            false => 0.0,
-        }
+        self.density(self.ink.within(at).unwrap_or(0.0))
     }
 }
 
@@ -120,7 +114,7 @@ pub(super) fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
                 0 => (column, 1),
                 _ => (width - 1 - column, -1),
             };
-            let wanted = field.density(x / parts, y / parts) * part * part;
+            let wanted = field.density(field.ink.at(x / parts, y / parts)) * part * part;
             let error = if wanted > 0.0 {
                 let sum = wanted + own[x + 1];
                 let is_dot = sum > 0.5 + CHANCE * random.signed() * 0.5;

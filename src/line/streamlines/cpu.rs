@@ -104,17 +104,9 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
     let mut covered = of(false);
     if lines.iter().any(|line| line.crosses) {
         let crossing = of(true);
-        lay_over(&mut covered, &crossing);
+        covered.each_with(&crossing, |ink, crossing| *ink += (1.0 - *ink) * crossing);
         memory.recycle([crossing]);
     }
     keep_inside(&mut covered, &frame.mask);
     covered
-}
-
-/// Lays ink over ink: each covers its share of the white left by the other.
-fn lay_over(covered: &mut Plane, crossing: &Plane) {
-    let samples = covered.samples_mut().par_iter_mut();
-    samples
-        .zip(crossing.samples())
-        .for_each(|(ink, crossing)| *ink += (1.0 - *ink) * crossing);
 }

@@ -71,23 +71,15 @@ impl Wanted<'_> {
     /// The ink at a place on the paper.
     #[inline]
     fn ink_at(&self, at: Vec2) -> Option<f32> {
-        sample(self.ink, at)
+        self.ink.within(at)
     }
 
     /// Whether a position is on an edge; false unless lines may run onto edges.
     #[inline]
     fn is_edge(&self, at: Vec2) -> bool {
-        let conductance = self.conductance.and_then(|plane| sample(plane, at));
+        let conductance = self.conductance.and_then(|plane| plane.within(at));
         conductance.is_some_and(|open| open <= OPEN)
     }
-}
-
-/// The sample of the pixel at a position.
-#[inline]
-fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
-    let (x, y) = (at.x as usize, at.y as usize);
-    let is_inside = at.x >= 0.0 && at.y >= 0.0 && x < plane.width() && y < plane.height();
-    is_inside.then(|| plane.samples()[y * plane.width() + x])
 }
 
 /// The greatest integer that is not above a coordinate.

@@ -66,22 +66,20 @@ fn row_of_shares(
     mut rows: Vec<&mut [f32]>,
 ) -> Vec<f64> {
     let mut sums = vec![0.0; rows.len()];
-    for run in mask.runs(y) {
-        for x in run {
-            let mut left = 1.0;
-            for (i, map) in maps.iter().enumerate() {
-                let mut share = 0.0;
-                if left > 0.0 {
-                    let by = jacobian_at(&map.place, surface, x, y);
-                    share = left * map.fade * soundness(distortion(&by));
-                }
-                rows[i][x] = share;
-                sums[i] += f64::from(share);
-                left -= share;
+    for x in mask.runs(y).flatten() {
+        let mut left = 1.0;
+        for (i, map) in maps.iter().enumerate() {
+            let mut share = 0.0;
+            if left > 0.0 {
+                let by = jacobian_at(&map.place, surface, x, y);
+                share = left * map.fade * soundness(distortion(&by));
             }
-            rows[maps.len()][x] = left;
-            sums[maps.len()] += f64::from(left);
+            rows[i][x] = share;
+            sums[i] += f64::from(share);
+            left -= share;
         }
+        rows[maps.len()][x] = left;
+        sums[maps.len()] += f64::from(left);
     }
     sums
 }

@@ -3,7 +3,7 @@
 use crate::frame::{Frame, Plane, Vector2Planes, Window};
 use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
-use crate::kernel::rows::map_rows;
+use crate::kernel::rows::map_covered;
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::is_one_depth;
 use crate::line::texture_coordinates::is_one_motion;
@@ -137,16 +137,7 @@ impl<'a> Step<'a> {
 
     /// The previous position of every covered pixel's surface.
     pub(crate) fn origins(&self) -> Plane<Origin> {
-        let mask = &self.frame.mask;
-        let mut origins = Plane::filled(mask.width(), mask.height(), Origin::default());
-        origins.each_row(|y, row| {
-            for run in mask.runs(y) {
-                for x in run {
-                    row[x] = self.origin(x, y);
-                }
-            }
-        });
-        origins
+        Plane::of_covered(&self.frame.mask, |y| move |x| self.origin(x, y))
     }
 
     /// The places of `map`, moved to this frame.
@@ -159,25 +150,19 @@ impl<'a> Step<'a> {
     ) -> Vector2Planes {
         let mask = &self.frame.mask;
         let [left, top] = origin_in(map.generation, self.frame.data_window);
-        let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
-            let origins = origins.row(y);
-            for run in mask.runs(y) {
-                for x in run {
-                    let still = [left + x as f32, top + y as f32];
-                    [xs[x], ys[x]] = self.place(map, &origins[x]).unwrap_or(still);
-                }
+        let [x, y] = map_covered(mask, memory, |y| {
+            move |x| {
+                let still = [left + x as f32, top + y as f32];
+                self.place(map, &origins.row(y)[x]).unwrap_or(still)
             }
         });
         let mut moved = Vector2Planes { x, y };
         hidden.fill(&mut moved);
         let surface = MovingSurface::of(self.frame, Some(self.motion));
         for _ in 0..CALMINGS {
-            let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
-                for run in mask.runs(y) {
-                    for x in run {
-                        [xs[x], ys[x]] = calmed_at(&moved, &surface, x, y);
-                    }
-                }
+            let [x, y] = map_covered(mask, memory, |y| {
+                let (moved, surface) = (&moved, &surface);
+                move |x| calmed_at(moved, surface, x, y)
             });
             let rough = std::mem::replace(&mut moved, Vector2Planes { x, y });
             memory.recycle([rough.x, rough.y]);

@@ -35,11 +35,9 @@ pub(crate) fn curvature_display(
     let mut display = ColorPlanes { r, g, b };
     let channels = [&mut display.r, &mut display.g, &mut display.b];
     for (plane, background) in channels.into_iter().zip(palette::BACKGROUND) {
-        for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {
-            if !covered {
-                *sample = background;
-            }
-        }
+        plane.each_with(mask.plane(), |sample, covered| {
+            *sample = if covered { *sample } else { background };
+        });
     }
     display
 }

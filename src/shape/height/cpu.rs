@@ -92,14 +92,12 @@ fn made(plan: &Plan, frame: &Frame, conductance: &Plane) -> (Plane, Option<Plane
 
 /// The height from the logarithm of the distance, or of its ratio to the mean distance seen by this focal length.
 fn from_logarithm(height: &mut Plane, mask: &Mask, focal_px: Option<f32>) {
-    height.each_row(|y, row| {
-        for (log, &covered) in row.iter_mut().zip(mask.row(y)) {
-            *log = match focal_px {
-                _ if !covered => 0.0,
-                None => -log.exp(),
-                Some(focal_px) => -focal_px * log.exp_m1(),
-            };
-        }
+    height.each_with(mask.plane(), |log, covered| {
+        *log = match focal_px {
+            _ if !covered => 0.0,
+            None => -log.exp(),
+            Some(focal_px) => -focal_px * log.exp_m1(),
+        };
     });
 }
 

@@ -19,22 +19,19 @@ impl Faces {
             true => conductance.at(x, y),
             false => 0.0,
         };
-        let [mut x, mut y] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
-        x.each_row(|row, faces| {
-            for (column, face) in faces.iter_mut().enumerate() {
-                let next = (column + 1) % width;
-                let is_there = next > column || wraps[0] && width > 1;
-                if is_there {
-                    *face = face_conductance(open(column, row), open(next, row));
-                }
+        let is_there = |at: usize, next: usize, wraps: bool| next > at || wraps && next < at;
+        let x = Plane::of_pixels(width, height, |x, y| {
+            let next = (x + 1) % width;
+            match is_there(x, next, wraps[0]) {
+                true => face_conductance(open(x, y), open(next, y)),
+                false => 0.0,
             }
         });
-        y.each_row(|row, faces| {
-            let next = (row + 1) % height;
-            if next > row || wraps[1] && height > 1 {
-                for (column, face) in faces.iter_mut().enumerate() {
-                    *face = face_conductance(open(column, row), open(column, next));
-                }
+        let y = Plane::of_pixels(width, height, |x, y| {
+            let next = (y + 1) % height;
+            match is_there(y, next, wraps[1]) {
+                true => face_conductance(open(x, y), open(x, next)),
+                false => 0.0,
             }
         });
         Self { x, y }
@@ -44,29 +41,16 @@ impl Faces {
     pub(super) fn halved(&self) -> Self {
         let (width, height) = (self.x.width(), self.x.height());
         let [w, h] = [width, height].map(|length| length.div_ceil(2));
-        let [mut x, mut y] = [(); 2].map(|()| Plane::filled(w, h, 0.0));
         let last = |from: usize, length: usize| (2 * from + 1).min(length - 1);
+        let open = |faces: &Plane, x, y| faces.get(x, y).unwrap_or(0.0);
         // A face from a pixel to itself stands for nothing.
-        let (has_x, has_y) = (w > 1, h > 1);
-        x.each_row(|row, faces| {
-            for (column, face) in faces.iter_mut().enumerate().filter(|_| has_x) {
-                let at = last(column, width);
-                let below = match 2 * row + 1 < height {
-                    true => self.x.at(at, 2 * row + 1),
-                    false => 0.0,
-                };
-                *face = 0.5 * (self.x.at(at, 2 * row) + below);
-            }
+        let x = Plane::of_pixels(w, h, |x, y| {
+            let at = if w > 1 { last(x, width) } else { width };
+            0.5 * (open(&self.x, at, 2 * y) + open(&self.x, at, 2 * y + 1))
         });
-        y.each_row(|row, faces| {
-            for (column, face) in faces.iter_mut().enumerate().filter(|_| has_y) {
-                let at = last(row, height);
-                let beside = match 2 * column + 1 < width {
-                    true => self.y.at(2 * column + 1, at),
-                    false => 0.0,
-                };
-                *face = 0.5 * (self.y.at(2 * column, at) + beside);
-            }
+        let y = Plane::of_pixels(w, h, |x, y| {
+            let at = if h > 1 { last(y, height) } else { height };
+            0.5 * (open(&self.y, 2 * x, at) + open(&self.y, 2 * x + 1, at))
         });
         Self { x, y }
     }

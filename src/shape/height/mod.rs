@@ -85,10 +85,7 @@ pub(crate) fn solve(problem: &Problem) -> (Plane, usize) {
         problem.tolerance,
         false,
     );
-    height.each_row(|y, row| {
-        let heights = row.iter_mut().zip(depth.row(y));
-        heights.for_each(|(height, depth)| *height += depth);
-    });
+    height.each_with(depth, |height, depth| *height += depth);
     (height, rounds)
 }
 
@@ -99,22 +96,17 @@ pub(crate) fn residual(problem: &Problem, height: &Plane) -> Plane {
     let mut missed = Changes::of(problem.slopes, &faces);
     missed.subtract(&Changes::between(height));
     let (width, rows) = (height.width(), height.height());
-    let mut residual = Plane::filled(width, rows, 0.0);
-    residual.each_row(|y, row| {
-        let above = (y + rows - 1) % rows;
-        let mean = |weights: [f32; 2], missed: [f32; 2]| {
-            let sum = weights[0] + weights[1];
-            let squares = weights[0] * missed[0] * missed[0] + weights[1] * missed[1] * missed[1];
-            if sum > 0.0 { squares / sum } else { 0.0 }
-        };
-        for (x, residual) in row.iter_mut().enumerate() {
-            let before = (x + width - 1) % width;
-            let across = [&faces.x, &missed.x].map(|p| [p.at(before, y), p.at(x, y)]);
-            let down = [&faces.y, &missed.y].map(|p| [p.at(x, above), p.at(x, y)]);
-            *residual = (mean(across[0], across[1]) + mean(down[0], down[1])).sqrt();
-        }
-    });
-    residual
+    let mean = |weights: [f32; 2], missed: [f32; 2]| {
+        let sum = weights[0] + weights[1];
+        let squares = weights[0] * missed[0] * missed[0] + weights[1] * missed[1] * missed[1];
+        if sum > 0.0 { squares / sum } else { 0.0 }
+    };
+    Plane::of_pixels(width, rows, |x, y| {
+        let (before, above) = ((x + width - 1) % width, (y + rows - 1) % rows);
+        let across = [&faces.x, &missed.x].map(|p| [p.at(before, y), p.at(x, y)]);
+        let down = [&faces.y, &missed.y].map(|p| [p.at(x, above), p.at(x, y)]);
+        (mean(across[0], across[1]) + mean(down[0], down[1])).sqrt()
+    })
 }
 
 /// Changes across the faces to the right of and below each pixel.
@@ -127,22 +119,13 @@ impl Changes {
     /// The means of the slopes beside each face; the second-order rule.
     fn of(slopes: &Slopes, faces: &Faces) -> Self {
         let (width, height) = (slopes.x.width(), slopes.x.height());
-        let [mut x, mut y] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
-        x.each_row(|row, changes| {
-            let (slopes, faces) = (slopes.x.row(row), faces.x.row(row));
-            for (x, change) in changes.iter_mut().enumerate() {
-                let open = faces[x] > 0.0;
-                let mean = 0.5 * (slopes[x] + slopes[(x + 1) % width]);
-                *change = if open { mean } else { 0.0 };
-            }
+        let x = Plane::of_pixels(width, height, |x, y| match faces.x.at(x, y) > 0.0 {
+            true => 0.5 * (slopes.x.at(x, y) + slopes.x.at((x + 1) % width, y)),
+            false => 0.0,
         });
-        y.each_row(|row, changes| {
-            let (at, below) = (slopes.y.row(row), slopes.y.row((row + 1) % height));
-            let faces = faces.y.row(row);
-            for (x, change) in changes.iter_mut().enumerate() {
-                let open = faces[x] > 0.0;
-                *change = if open { 0.5 * (at[x] + below[x]) } else { 0.0 };
-            }
+        let y = Plane::of_pixels(width, height, |x, y| match faces.y.at(x, y) > 0.0 {
+            true => 0.5 * (slopes.y.at(x, y) + slopes.y.at(x, (y + 1) % height)),
+            false => 0.0,
         });
         Self { x, y }
     }
@@ -150,27 +133,18 @@ impl Changes {
     /// Those of a height.
     fn between(heights: &Plane) -> Self {
         let (width, height) = (heights.width(), heights.height());
-        let [mut x, mut y] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
-        x.each_row(|row, changes| {
-            let at = heights.row(row);
-            for (x, change) in changes.iter_mut().enumerate() {
-                *change = at[(x + 1) % width] - at[x];
-            }
+        let x = Plane::of_pixels(width, height, |x, y| {
+            heights.at((x + 1) % width, y) - heights.at(x, y)
         });
-        y.each_row(|row, changes| {
-            let (at, below) = (heights.row(row), heights.row((row + 1) % height));
-            let samples = changes.iter_mut().zip(at.iter().zip(below));
-            samples.for_each(|(change, (at, below))| *change = below - at);
+        let y = Plane::of_pixels(width, height, |x, y| {
+            heights.at(x, (y + 1) % height) - heights.at(x, y)
         });
         Self { x, y }
     }
 
     fn subtract(&mut self, other: &Self) {
         for (plane, other) in [(&mut self.x, &other.x), (&mut self.y, &other.y)] {
-            plane.each_row(|y, row| {
-                let samples = row.iter_mut().zip(other.row(y));
-                samples.for_each(|(own, other)| *own -= other);
-            });
+            plane.each_with(other, |own, other| *own -= other);
         }
     }
 
@@ -234,9 +208,8 @@ fn conjugate_gradients(
         }
         let kept = (next / energy) as f32;
         energy = next;
-        direction.each_row(|y, row| {
-            let samples = row.iter_mut().zip(correction.row(y));
-            samples.for_each(|(direction, correction)| *direction = kept * *direction + correction);
+        direction.each_with(&correction, |direction, correction| {
+            *direction = kept * *direction + correction;
         });
     }
     (height, rounds)
@@ -244,10 +217,7 @@ fn conjugate_gradients(
 
 /// Adds `factor` times `other`.
 fn add(plane: &mut Plane, factor: f32, other: &Plane) {
-    plane.each_row(|y, row| {
-        let samples = row.iter_mut().zip(other.row(y));
-        samples.for_each(|(own, other)| *own += factor * other);
-    });
+    plane.each_with(other, |own, other| *own += factor * other);
 }
 
 /// Takes the mean off a plane.
@@ -328,14 +298,11 @@ impl Islands {
             .iter()
             .map(|&(sum, count)| (sum / count.max(1) as f64) as f32);
         let means: Vec<f32> = means.collect();
-        height.each_row(|y, row| {
-            for (height, &island) in row.iter_mut().zip(self.of.row(y)) {
-                *height = if island == 0 {
-                    0.0
-                } else {
-                    *height - means[island as usize]
-                };
-            }
+        height.each_with(&self.of, |height, island| {
+            *height = match island {
+                0 => 0.0,
+                _ => *height - means[island as usize],
+            };
         });
     }
 }

@@ -185,15 +185,11 @@ fn interpolate(correction: &Plane, faces: &Faces, z: &mut Plane) {
 
 /// Gathers residuals to the next level, by the transpose of [`interpolate`].
 fn gather(residual: &Plane, faces: &Faces, gathered: &mut Plane) {
-    let (width, height) = (residual.width(), residual.height());
     let (w, h) = (gathered.width(), gathered.height());
     gathered.each_row(|row, out| {
         let (above, below) = ((row + h - 1) % h, (row + 1) % h);
         let rows = [2 * above + 1, 2 * row, 2 * row + 1, 2 * below];
-        let at = |i: usize, x: usize| match rows[i] < height && x < width {
-            true => residual.at(x, rows[i]),
-            false => 0.0,
-        };
+        let at = |i: usize, x: usize| residual.get(x, rows[i]).unwrap_or(0.0);
         let along = faces.x.row(row);
         let [up, down] = [above, row].map(|y| faces.y.row(y));
         for (column, out) in out.iter_mut().enumerate() {

@@ -44,20 +44,18 @@ pub(crate) fn in_pixels(height: &Plane, frame: &Frame) -> Plane {
     let has_depth = frame.depth.is_some() && frame.camera.is_some();
     let projection = SightLines::of(frame).projection();
     let mut pixels = height.clone();
-    pixels.each_row(|y, row| {
-        for (height, &covered) in row.iter_mut().zip(frame.mask.row(y)) {
-            *height = match projection {
-                _ if !covered => NOTHING,
-                Projection::Orthographic { sx, sy, .. } => *height * (sx * sy).sqrt() as f32,
-                Projection::Perspective { fx, fy, .. } => {
-                    let focal_px = (fx * fy).sqrt() as f32;
-                    match has_depth && *height < 0.0 {
-                        true => -focal_px * (-*height).ln(),
-                        false => -focal_px * (-*height / focal_px).ln_1p(),
-                    }
+    pixels.each_with(frame.mask.plane(), |height, covered| {
+        *height = match projection {
+            _ if !covered => NOTHING,
+            Projection::Orthographic { sx, sy, .. } => *height * (sx * sy).sqrt() as f32,
+            Projection::Perspective { fx, fy, .. } => {
+                let focal_px = (fx * fy).sqrt() as f32;
+                match has_depth && *height < 0.0 {
+                    true => -focal_px * (-*height).ln(),
+                    false => -focal_px * (-*height / focal_px).ln_1p(),
                 }
-            };
-        }
+            }
+        };
     });
     pixels
 }
