@@ -12,10 +12,6 @@ pub(crate) const MAX_CELL_PX: usize = 8;
 #[inline]
 pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usize {
     labels.fill(NO_PATCH);
-    if open.iter().all(|&o| o) {
-        labels.fill(0);
-        return usize::from(!open.is_empty());
-    }
     // Pixels as bits, row by row.
     let with = |bits: u64, i: usize| bits | 1 << i;
     let mut left = (0..open.len()).filter(|&i| open[i]).fold(0, with);
@@ -46,12 +42,6 @@ pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usiz
 pub(crate) fn joined(first: &[u8], second: &[u8], mut join: impl FnMut(u8, u8)) {
     const MOST: usize = MAX_CELL_PX;
     // One patch on each side, as nearly everywhere.
-    if first.iter().chain(second).all(|&label| label == 0) {
-        if !first.is_empty() && !second.is_empty() {
-            join(0, 0);
-        }
-        return;
-    }
     let mut pairs = [(NO_PATCH, NO_PATCH, 0_u8); MOST];
     let mut count = 0;
     for (&a, &b) in first.iter().zip(second) {

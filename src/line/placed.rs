@@ -111,14 +111,7 @@ impl Placed {
     /// Whether no point that `counts` is closer than `distance`; the nearest rows first, as most questions end there.
     #[inline]
     pub(super) fn is_free(&self, at: Vec2, distance: f32, counts: impl Fn(&Point) -> bool) -> bool {
-        let ([left, top], [right, bottom]) = (self.cell(at - distance), self.cell(at + distance));
-        let own = self.cell(at)[1];
-        let is_free = |y: usize| {
-            self.row(y, left..=right).all(|(_, point)| {
-                point.at.distance_squared(at) >= distance * distance || !counts(point)
-            })
-        };
-        is_free(own) && (top..own).rev().all(is_free) && (own + 1..=bottom).all(is_free)
+        !self.near(at, distance).any(counts)
     }
 
     /// Distances of the nearest other lines on both sides; `spacing` where there is none within half as much again.

@@ -51,23 +51,13 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
         return points.to_vec();
     }
     let line = Wrapped::new(points, closed, REACHES[allowed - 1]);
-    let mut levels = Vec::with_capacity(points.len());
-    for first in (0..points.len()).step_by(LANES) {
-        // Neighbours mostly need the same levels.
-        let mut fits: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
-        for lane in 0..LANES.min(points.len() - first) {
-            levels.push(largest(allowed, |level| {
-                let (reach, tolerance) = (REACHES[level], smoothing.tolerance_px());
-                match line.has_whole_windows(first, reach) {
-                    true => fits[level]
-                        .get_or_insert_with(|| line.fit(line.window(first, reach), tolerance))
-                        [lane],
-                    false => line.fit::<1>(line.window(first + lane, reach), tolerance)[0],
-                }
-            }));
-        }
-    }
-    let n = levels.len();
+    let n = points.len();
+    let fits = |i: usize, level: usize| {
+        line.fits(line.window(i, REACHES[level]), smoothing.tolerance_px())
+    };
+    let mut levels: Vec<usize> = (0..n)
+        .map(|i| largest(allowed, |level| fits(i, level)))
+        .collect();
     // Twice around, so that a closed line has no first point.
     for i in 1..n * (1 + usize::from(closed)) {
         levels[i % n] = levels[i % n].min(levels[(i - 1) % n] + 1);
@@ -96,9 +86,6 @@ fn largest(all: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
     least
 }
 
-/// Points that are looked at together.
-const LANES: usize = 8;
-
 /// The points of a line, a closed one continued beyond its ends.
 struct Wrapped {
     x: Vec<f32>,
@@ -122,100 +109,77 @@ impl Wrapped {
         at.saturating_sub(reach)..(at + reach + 1).min(self.x.len())
     }
 
-    /// Whether each of the points processed together from `first` on has `reach` neighbours on either side.
-    fn has_whole_windows(&self, first: usize, reach: usize) -> bool {
-        let at = self.start + first;
-        at >= reach && at + LANES + reach <= self.x.len()
-    }
-
     /// The line's point `i` on the parabola through those within `reach`.
     fn moved(&self, i: usize, reach: usize) -> Vec2 {
         let window = self.window(i, reach);
         let at = [&self.x, &self.y].map(|samples| {
-            let parabola = Parabolas::<1>::through(&samples[window.start..], window.len());
-            parabola.at(0, (self.start + i - window.start) as f32 - parabola.half)
+            let parabola = Parabola::through(&samples[window.clone()]);
+            parabola.at((self.start + i - window.start) as f32 - parabola.half)
         });
         at.into()
     }
 
-    /// Whether all points of a window lie within the tolerance of their parabola; likewise for `N - 1` more windows, each a
-    /// point further.
-    fn fit<const N: usize>(&self, window: Range<usize>, tolerance: f32) -> [bool; N] {
-        let axes = [&self.x, &self.y].map(|samples| &samples[window.start..]);
-        let [along_x, along_y] = axes.map(|samples| Parabolas::<N>::through(samples, window.len()));
-        let mut fit = [true; N];
-        for k in 0..window.len() {
+    /// Whether all points of a window lie within the tolerance of their parabola.
+    fn fits(&self, window: Range<usize>, tolerance: f32) -> bool {
+        let [x, y] = [&self.x, &self.y].map(|samples| &samples[window.clone()]);
+        let (along_x, along_y) = (Parabola::through(x), Parabola::through(y));
+        x.iter().zip(y).enumerate().all(|(k, (x, y))| {
             let t = k as f32 - along_x.half;
-            let [x, y] = axes.map(|samples| lanes::<N>(samples, k));
-            for lane in 0..N {
-                let (slope_x, slope_y) = (along_x.slope(lane, t), along_y.slope(lane, t));
-                let across = slope_x * (y[lane] - along_y.at(lane, t))
-                    - slope_y * (x[lane] - along_x.at(lane, t));
-                let squared = slope_x * slope_x + slope_y * slope_y;
-                fit[lane] &= across * across <= tolerance * tolerance * squared;
-            }
-        }
-        fit
+            let (slope_x, slope_y) = (along_x.slope(t), along_y.slope(t));
+            let across = slope_x * (y - along_y.at(t)) - slope_y * (x - along_x.at(t));
+            let squared = slope_x * slope_x + slope_y * slope_y;
+            across * across <= tolerance * tolerance * squared
+        })
     }
 }
 
-/// The samples from `k` on, one in each lane.
-fn lanes<const N: usize>(samples: &[f32], k: usize) -> &[f32; N] {
-    samples[k..][..N].try_into().expect("of this length")
-}
-
-/// One coordinate of parabolas of least squares, each through `count` samples that follow each other evenly; every lane
-/// begins a sample further.
-struct Parabolas<const N: usize> {
+/// One coordinate of a parabola of least squares through samples that follow each other evenly.
+struct Parabola {
     /// Half the steps from the first sample to the last.
     half: f32,
     mean_square: f32,
     /// Coefficients of 1, t and t^2 - mean(t^2), which are orthogonal; t counts samples from the middle.
-    coefficients: [[f32; N]; 3],
+    coefficients: [f32; 3],
 }
 
-impl<const N: usize> Parabolas<N> {
+impl Parabola {
     /// Sums over t = -half, -half + 1, ... half, n samples: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
     /// n (n^2 - 1)(n^2 - 4)/180.
-    fn through(samples: &[f32], count: usize) -> Self {
-        let n = count as f32;
+    fn through(samples: &[f32]) -> Self {
+        let n = samples.len() as f32;
         let squares = n * (n * n - 1.0) / 12.0;
         let fourths = n * (n * n - 1.0) * (n * n - 4.0) / 180.0;
         let (half, mean_square) = (0.5 * (n - 1.0), squares / n);
         // Relative to the first sample: differences keep their digits far from the origin.
-        let origin = lanes::<N>(samples, 0);
-        let (mut constant, mut linear, mut bent) = ([0.0; N], [0.0; N], [0.0; N]);
-        for k in 0..count {
+        let origin = samples[0];
+        let [mut constant, mut linear, mut bent] = [0.0; 3];
+        for (k, sample) in samples.iter().enumerate() {
             let t = k as f32 - half;
-            let samples = lanes::<N>(samples, k);
-            for lane in 0..N {
-                let p = samples[lane] - origin[lane];
-                constant[lane] += p;
-                linear[lane] += t * p;
-                bent[lane] += (t * t - mean_square) * p;
-            }
+            let p = sample - origin;
+            constant += p;
+            linear += t * p;
+            bent += (t * t - mean_square) * p;
         }
         let over = |sum: f32, squares: f32| if squares > 0.0 { sum / squares } else { 0.0 };
         Self {
             half,
             mean_square,
             coefficients: [
-                std::array::from_fn(|lane| origin[lane] + constant[lane] / n),
-                linear.map(|sum| over(sum, squares)),
-                bent.map(|sum| over(sum, fourths)),
+                origin + constant / n,
+                over(linear, squares),
+                over(bent, fourths),
             ],
         }
     }
 
-    #[inline]
-    fn at(&self, lane: usize, t: f32) -> f32 {
-        let [a, b, c] = &self.coefficients;
-        a[lane] + t * b[lane] + (t * t - self.mean_square) * c[lane]
+    fn at(&self, t: f32) -> f32 {
+        let [a, b, c] = self.coefficients;
+        a + t * b + (t * t - self.mean_square) * c
     }
 
-    #[inline]
-    fn slope(&self, lane: usize, t: f32) -> f32 {
-        self.coefficients[1][lane] + 2.0 * t * self.coefficients[2][lane]
+    fn slope(&self, t: f32) -> f32 {
+        let [_, b, c] = self.coefficients;
+        b + 2.0 * t * c
     }
 }
 
@@ -346,34 +310,6 @@ mod tests {
             .map(|p| p.distance(Vec2::new(20.0, 0.0)))
             .fold(f32::INFINITY, f32::min);
         assert!(nearest < 1.0, "{nearest}");
-    }
-
-    #[test]
-    fn neighbours_told_together_fit_as_each_alone() {
-        let points: Vec<Vec2> = (0..400)
-            .map(|i| {
-                let t = i as f32 / 40.0;
-                300.0 * Vec2::new(t.cos(), t.sin())
-                    + 0.7 * Vec2::new((9.1 * t).sin(), (7.3 * t).cos())
-            })
-            .collect();
-        let line = Wrapped::new(&points, false, 100);
-        let mut found = [0; 2];
-        for reach in REACHES {
-            for first in reach..points.len() - reach - LANES {
-                assert!(line.has_whole_windows(first, reach));
-                let tolerance = SMOOTHING.tolerance_px();
-                let together: [bool; LANES] = line.fit(line.window(first, reach), tolerance);
-                let alone = |lane| line.fit::<1>(line.window(first + lane, reach), tolerance)[0];
-                assert_eq!(
-                    together,
-                    std::array::from_fn(alone),
-                    "{reach} around {first}"
-                );
-                found[usize::from(together[0])] += 1;
-            }
-        }
-        assert!(found.iter().all(|&count| count > 100), "{found:?}");
     }
 
     #[test]

@@ -40,15 +40,7 @@ impl Bands<'_> {
 
     /// The pixels all steps away, in their order.
     fn all_beside(&self, pixel: u32) -> [Option<usize>; STEPS.len()] {
-        let [x, y] = self.place(pixel);
-        let is_inside = x > 0 && y > 0 && x + 1 < self.width && y + 1 < self.height;
-        STEPS.map(|[dx, dy]| match is_inside {
-            true => {
-                let step = dy as isize * self.width as isize + dx as isize;
-                Some((pixel as usize).wrapping_add_signed(step))
-            }
-            false => self.beside(pixel, [dx, dy]),
-        })
+        STEPS.map(|step| self.beside(pixel, step))
     }
 
     /// The middle of a pixel, in picture coordinates.

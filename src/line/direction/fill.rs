@@ -164,12 +164,11 @@ impl Field<'_> {
         weight: impl Fn(usize, usize) -> f32 + Sync,
         settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
     ) {
-        // All pixels that wait, as long as that is fewer than to look for those beside the last wave's.
-        let mut waiting = None;
+        let mut waiting = vec![false; self.directions.x.samples().len()];
+        for &i in &wave {
+            waiting[i as usize] = true;
+        }
         for number in 1..=waves {
-            if wave.is_empty() {
-                break;
-            }
             let found: Vec<(Pixel, Vec2)> = wave
                 .par_iter()
                 .with_min_len(PIXELS_PER_TASK)
@@ -182,24 +181,10 @@ impl Field<'_> {
                 break;
             }
             self.set_all(&found);
-            if waiting.is_none() {
-                let mut filled = found.iter().map(|&(i, _)| i).peekable();
-                wave.retain(|i| filled.next_if_eq(i).is_none());
-                if wave.len() <= BESIDE * found.len() {
-                    continue;
-                }
-            }
-            let waiting = waiting.get_or_insert_with(|| {
-                let mut waiting = vec![false; self.directions.x.samples().len()];
-                for &i in &wave {
-                    waiting[i as usize] = true;
-                }
-                waiting
-            });
             for &(i, _) in &found {
                 waiting[i as usize] = false;
             }
-            wave = self.beyond(&found, waiting);
+            wave = self.beyond(&found, &waiting);
         }
     }
 
@@ -227,9 +212,6 @@ impl Field<'_> {
         self.set_all(&found);
     }
 }
-
-/// Pixels that wait, for each one filled, above which those beside the filled ones are looked for.
-const BESIDE: usize = 4;
 
 /// Fewest pixels per task.
 const PIXELS_PER_TASK: usize = 1024;

@@ -32,7 +32,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
     fn fill_band(&self, field: usize, row: usize, [x, y]: [&mut [f32]; 2]) {
         let Patches { grid, labels, .. } = self.patches;
         let width = self.mask.width();
-        let ys = grid.y_pixels(row);
+        let ys = grid.pixels(1, row);
         for (py, start) in ys.clone().zip((0..).step_by(width)) {
             let span = self.mask.span(py);
             let covered = start + span.start..start + span.end;
@@ -41,7 +41,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
         }
         let downs = grid.places(1, &ys);
         for column in 0..grid.columns {
-            let xs = grid.x_pixels(column);
+            let xs = grid.pixels(0, column);
             let acrosses = grid.places(0, &xs);
             for (label, patch) in self.patches.of_cell(column, row).enumerate() {
                 // Mapping arrays is not inlined.

@@ -60,20 +60,11 @@ impl Grid {
         }
     }
 
-    fn pixels(&self, axis: usize, cell: usize) -> Range<usize> {
+    /// The columns of pixels in a column of cells, axis 0, or the rows in a row of them.
+    pub(crate) fn pixels(&self, axis: usize, cell: usize) -> Range<usize> {
         let (start, end) = (cell * self.cell_px, (cell + 1) * self.cell_px);
         let inside = |p: usize| p.saturating_sub(self.cut[axis]).min(self.size[axis]);
         inside(start)..inside(end)
-    }
-
-    /// The columns of pixels in a column of cells.
-    pub(crate) fn x_pixels(&self, column: usize) -> Range<usize> {
-        self.pixels(0, column)
-    }
-
-    /// The rows of pixels in a row of cells.
-    pub(crate) fn y_pixels(&self, row: usize) -> Range<usize> {
-        self.pixels(1, row)
     }
 
     /// Offsets of the centres of pixels of one cell from that of the cell, in cells, -1/2..1/2.
@@ -86,7 +77,7 @@ impl Grid {
     pub(crate) fn bands<'a, T>(&self, mut samples: &'a mut [T]) -> Vec<&'a mut [T]> {
         let mut bands = Vec::with_capacity(self.rows);
         for row in 0..self.rows {
-            let (band, rest) = samples.split_at_mut(self.y_pixels(row).len() * self.size[0]);
+            let (band, rest) = samples.split_at_mut(self.pixels(1, row).len() * self.size[0]);
             bands.push(band);
             samples = rest;
         }
@@ -162,7 +153,7 @@ impl Patches {
             if own.is_empty() {
                 continue;
             }
-            let (xs, ys) = (grid.x_pixels(column), grid.y_pixels(row));
+            let (xs, ys) = (grid.pixels(0, column), grid.pixels(1, row));
             if column + 1 < grid.columns {
                 let next = self.of_cell(column + 1, row);
                 for (i, y) in ys.clone().enumerate() {
@@ -228,13 +219,13 @@ impl RowOfCells<'_> {
     /// Labels the pixels, all 0 so far; returns the number of patches of each cell, and the patches.
     fn find(&self, labels: &mut [u8]) -> (Vec<u32>, Vec<Patch>) {
         let width = self.grid.size[0];
-        let ys = self.grid.y_pixels(self.row);
+        let ys = self.grid.pixels(1, self.row);
         let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let mut counts = Vec::with_capacity(self.grid.columns);
         let mut patches = Vec::with_capacity(self.grid.columns);
         for column in 0..self.grid.columns {
-            let xs = self.grid.x_pixels(column);
+            let xs = self.grid.pixels(0, column);
             let size = xs.len() * ys.len();
             let (open, own) = (&mut open[..size], &mut own[..size]);
             let mut count_open = 0;

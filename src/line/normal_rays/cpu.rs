@@ -11,7 +11,6 @@ use crate::line::normal_rays::bundle;
 use crate::line::normal_rays::bundle::{Bundle, Directions, LANES, Pixels, PointSource};
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::plan::Plan;
-use std::ops::Range;
 
 /// Unit directions in the picture where covered, 0 elsewhere.
 pub(crate) fn directions(
@@ -85,10 +84,8 @@ impl<'a> WalkedSurface<'a> {
         while !pixels.is_empty() {
             let mut without = Vec::new();
             for pixels in pixels.chunks(LANES) {
-                if !self.look_around_all(&mut bundle, pixels, y, step) {
-                    for (lane, &x) in pixels.iter().enumerate() {
-                        self.look_around(&mut bundle, lane, (x, y), step);
-                    }
+                for (lane, &x) in pixels.iter().enumerate() {
+                    self.look_around(&mut bundle, lane, (x, y), step);
                 }
                 wide!(bundle::larger_curvature_directions(
                     &mut found,
@@ -108,43 +105,6 @@ impl<'a> WalkedSurface<'a> {
         }
     }
 
-    /// [`Self::look_around`] of all lanes at once, if these pixels fill them side by side and the surface continues so far
-    /// on all sides, as it mostly does; returns whether.
-    fn look_around_all(
-        &self,
-        bundle: &mut Bundle,
-        pixels: &[usize],
-        y: usize,
-        most_px: usize,
-    ) -> bool {
-        let &[x, .., last] = pixels else {
-            return false;
-        };
-        let end = x + LANES;
-        let (width, height) = (self.conductance.width(), self.conductance.height());
-        let has_room =
-            x >= most_px && end + most_px <= width && y >= most_px && y + most_px < height;
-        if pixels.len() < LANES || last + 1 != end || !has_room {
-            return false;
-        }
-        let are_open = |y: usize, columns: Range<usize>| {
-            let row = &self.conductance.row(y)[columns];
-            row.iter().fold(true, |all, &open| all & (open > 0.0))
-        };
-        let mut rows = (y - most_px..=y + most_px).filter(|&row| row != y);
-        if !are_open(y, x - most_px..end + most_px) || !rows.all(|row| are_open(row, x..end)) {
-            return false;
-        }
-        let [at_left, at_right, at_below, at_above] = &mut bundle.beside;
-        self.take::<LANES>(&mut bundle.here, 0, (x, y));
-        self.take::<LANES>(at_left, 0, (x - most_px, y));
-        self.take::<LANES>(at_right, 0, (x + most_px, y));
-        self.take::<LANES>(at_below, 0, (x, y + most_px));
-        self.take::<LANES>(at_above, 0, (x, y - most_px));
-        bundle.steps_px = [[most_px as f32; LANES]; 2];
-        true
-    }
-
     /// Takes a pixel and those beside it into a lane: equally far on both sides, at most `most_px`, as far as the surface
     /// continues on each; on one side alone if it ends at once on the other.
     #[inline]
@@ -155,7 +115,7 @@ impl<'a> WalkedSurface<'a> {
         (x, y): (usize, usize),
         most_px: usize,
     ) {
-        self.take::<1>(&mut bundle.here, lane, (x, y));
+        self.take(&mut bundle.here, lane, (x, y));
         let row = self.conductance.row(y);
         let is_open = |x: &usize| row[*x] > 0.0;
         let left = (0..x).rev().take(most_px).take_while(is_open).count();
@@ -174,7 +134,7 @@ impl<'a> WalkedSurface<'a> {
         let far = |a: usize, b: usize| if a.min(b) > 0 { a.min(b) } else { a.max(b) };
         let take = |beside: &mut Pixels, open: usize, at: (usize, usize)| match open {
             0 => beside.is_there[lane] = 0,
-            _ => self.take::<1>(beside, lane, at),
+            _ => self.take(beside, lane, at),
         };
         let step = far(left, right);
         take(at_left, left, (x.wrapping_sub(step), y));
@@ -187,61 +147,22 @@ impl<'a> WalkedSurface<'a> {
         steps_y[lane] = step as f32;
     }
 
-    /// Takes `N` pixels of a row, from column `x` on, into the lanes from `lane` on.
+    /// Takes a pixel into a lane.
     #[inline]
-    fn take<const N: usize>(&self, pixels: &mut Pixels, lane: usize, (x, y): (usize, usize)) {
-        let (lanes, columns) = (lane..lane + N, x..x + N);
+    fn take(&self, pixels: &mut Pixels, lane: usize, (x, y): (usize, usize)) {
         let normal = &self.frame.normal;
-        let planes = [&normal.x, &normal.y, &normal.z];
-        for (to, plane) in pixels.normal.iter_mut().zip(planes) {
-            to[lanes.clone()].copy_from_slice(&plane.row(y)[columns.clone()]);
+        for (to, plane) in pixels
+            .normal
+            .iter_mut()
+            .zip([&normal.x, &normal.y, &normal.z])
+        {
+            to[lane] = plane.at(x, y);
         }
         if let Some(depth) = self.setting.depth {
-            let depth = &depth.row(y)[columns.clone()];
-            pixels.depth[lanes.clone()].copy_from_slice(depth);
+            pixels.depth[lane] = depth.at(x, y);
         }
-        let across = self.lines.across(columns);
-        pixels.across[lanes.clone()].copy_from_slice(across);
-        pixels.up[lanes.clone()].fill(self.lines.up(y));
-        pixels.is_there[lanes].fill(1);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::params::{ScalingParams, ShapeParams};
-    use crate::plan::{Available, Goal};
-    use crate::scenes::Scene;
-
-    /// Rows of a picture with a hole, at steps of 1 to 3: lanes side by side where all is open, and elsewhere not.
-    #[test]
-    fn all_lanes_at_once_are_those_one_by_one() {
-        let frame = Scene::barriers(90, 40).frame;
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::new(Goal::LAYERS, Available::in_frame(&frame), shape, scaling).unwrap();
-        let open = |x: usize, y: usize| f32::from(x > 2 && x.abs_diff(60) + y.abs_diff(30) > 4);
-        let conductance = Plane::from_fn(90, 40, open);
-        let surface = WalkedSurface::new(&plan, &frame, &conductance);
-        let mut taken = 0;
-        for (x, y, step) in (0..=90 - LANES)
-            .flat_map(|x| (0..40).flat_map(move |y| (1..4).map(move |step| (x, y, step))))
-        {
-            let pixels: Vec<_> = (x..x + LANES).collect();
-            let (mut all, mut each) = (Bundle::default(), Bundle::default());
-            if surface.look_around_all(&mut all, &pixels, y, step) {
-                for (lane, &x) in pixels.iter().enumerate() {
-                    surface.look_around(&mut each, lane, (x, y), step);
-                }
-                assert_eq!(all, each, "{x} {y} {step}");
-                taken += usize::from((y, step) == (10, 1));
-            }
-        }
-        // From column 4 on, where the one on the left is open, to 57, where the last one on the right is within.
-        assert_eq!(taken, 57 - 4 + 1);
-        let gap: Vec<_> = (10..9 + LANES).chain([70]).collect();
-        assert!(!surface.look_around_all(&mut Bundle::default(), &gap, 5, 1));
-        let few = [10, 9 + LANES];
-        assert!(!surface.look_around_all(&mut Bundle::default(), &few, 5, 1));
+        pixels.across[lane] = self.lines.across(x..x + 1)[0];
+        pixels.up[lane] = self.lines.up(y);
+        pixels.is_there[lane] = 1;
     }
 }
