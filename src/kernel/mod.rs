@@ -4,6 +4,7 @@
 pub(crate) mod cancel;
 pub(crate) mod fast_math;
 pub(crate) mod lanes;
+pub(crate) mod last;
 pub(crate) mod memory;
 pub(crate) mod percentile;
 pub(crate) mod quantile;

@@ -5,7 +5,6 @@ use crate::kernel::simd::Simd;
 use crate::kernel::simd::levels::{WIDTH, assert_same_bits, at, row, rows};
 use crate::line::direction_field::{self, Weighted};
 use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
-use crate::line::specular::map_directions::{self, LargerTangents};
 
 /// Results of the kernels on sample rows.
 fn made(simd: Simd) -> Vec<Vec<f32>> {
@@ -23,7 +22,6 @@ fn made(simd: Simd) -> Vec<Vec<f32>> {
     );
     results.push(sums.concat().concat());
     results.extend(made_of_rays(simd));
-    results.extend(made_of_texels(simd));
     results
 }
 
@@ -69,39 +67,6 @@ fn made_of_rays(simd: Simd) -> Vec<Vec<f32>> {
             [found.x, found.y, forms].concat()
         });
     made.collect()
-}
-
-/// Tangents on a wall with small bumps, one unit from texel to texel.
-fn made_of_texels(simd: Simd) -> Vec<Vec<f32>> {
-    let texels = |seed: u32, [x, y]: [f32; 2]| {
-        let middles = [x, y, 9.0, 0.0, 0.0, 1.0];
-        let components = std::array::from_fn(|k| {
-            let bumps = row(seed + k as u32);
-            std::array::from_fn(|lane| middles[k] + 0.1 * bumps[lane])
-        });
-        map_directions::Lanes {
-            components,
-            is_there: std::array::from_fn(|lane| u8::from(lane % 7 != seed as usize % 5)),
-        }
-    };
-    let bundle = map_directions::Bundle {
-        here: texels(120, [0.0; 2]),
-        beside: [
-            [texels(126, [-1.0, 0.0]), texels(132, [1.0, 0.0])],
-            [texels(138, [0.0, -1.0]), texels(144, [0.0, 1.0])],
-        ],
-    };
-    let mut found = LargerTangents::default();
-    at!(
-        simd,
-        map_directions::larger_curvature_tangents(&mut found, &bundle, 1e-7)
-    );
-    let known = found.components[0].iter().filter(|&&x| x != 0.0).count();
-    assert!(known > map_directions::LANES / 2, "{known}");
-    let forms = found.forms.map(|form| form as u8 as f32);
-    let mut made = found.components.map(Vec::from).to_vec();
-    made.push(forms.into());
-    made
 }
 
 #[test]

@@ -26,18 +26,16 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// The ray of another patch, if there is one.
+    /// The ray of another patch.
     #[inline]
-    fn ray(&self, there: Option<Seen>) -> NormalRay {
-        there.map_or(NormalRay::NONE, |there| {
-            let (lines, normals) = ([self.line, there.line], self.normal + there.normal);
-            let (is_there, offset) = step_by_normals(self.sight.is_perspective(), lines, normals);
-            NormalRay {
-                is_there,
-                offset,
-                normal: there.normal,
-            }
-        })
+    fn ray(&self, there: Seen) -> NormalRay {
+        let (lines, normals) = ([self.line, there.line], self.normal + there.normal);
+        let (is_there, offset) = step_by_normals(self.sight.is_perspective(), lines, normals);
+        NormalRay {
+            is_there,
+            offset,
+            normal: there.normal,
+        }
     }
 
     /// The tensor of curvature, per unit of length, from the patches left, right, below and above, by number, each
@@ -58,11 +56,8 @@ impl<'a> Seen<'a> {
             normal: self.normal,
         };
         let along = |before: usize, after: usize| {
-            local.difference(&Sides {
-                before: self.ray(beside(before)),
-                after: self.ray(beside(after)),
-                step_px,
-            })
+            let ray = |number: usize| Some(self.ray(beside(number)?));
+            local.difference(&Sides::of([ray(before), ray(after)], step_px))
         };
         let slopes = Slopes::of(&along(0, 1), &along(2, 3));
         (faces && slopes.is_there).then_some(slopes)

@@ -19,7 +19,7 @@ pub(crate) mod stage;
 use glam::{BVec2, DVec2, DVec3};
 
 /// A normal ray beside the point looked at.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub(crate) struct NormalRay {
     /// Whether there is one. A flag, so that loops over pixels have no branches.
     pub is_there: bool,
@@ -30,13 +30,6 @@ pub(crate) struct NormalRay {
 }
 
 impl NormalRay {
-    /// No ray.
-    pub(crate) const NONE: Self = Self {
-        is_there: false,
-        offset: DVec3::ZERO,
-        normal: DVec3::ZERO,
-    };
-
     /// The ray along `normal` at `offset`.
     #[inline(always)]
     pub(crate) fn new(offset: DVec3, normal: DVec3) -> Self {
@@ -57,6 +50,19 @@ pub(crate) struct Sides {
     pub after: NormalRay,
     /// Distance in pixels.
     pub step_px: f64,
+}
+
+impl Sides {
+    /// The rays `step_px` away, where there are such.
+    #[inline]
+    pub(crate) fn of(rays: [Option<NormalRay>; 2], step_px: f64) -> Self {
+        let [before, after] = rays.map(Option::unwrap_or_default);
+        Self {
+            before,
+            after,
+            step_px,
+        }
+    }
 }
 
 /// Errors of rounding are spread evenly up to the largest: their standard deviation is this share of it.
@@ -454,13 +460,13 @@ mod tests {
     #[test]
     fn one_side_serves_and_none_does_not() {
         let (normal, mut sides) = sides_of([-0.02, 0.0, 0.005], glam::DMat3::IDENTITY);
-        sides[0].before = NormalRay::NONE;
+        sides[0].before = NormalRay::default();
         let found = principal_curvatures(normal, sides, EXACT);
         assert!(
             (found.curvatures[0] / -0.02 - 1.0).abs() < 0.01,
             "{found:?}"
         );
-        sides[0].after = NormalRay::NONE;
+        sides[0].after = NormalRay::default();
         let found = principal_curvatures(normal, sides, EXACT);
         assert_eq!(found.form, LocalShape::Unknown);
     }

@@ -51,11 +51,9 @@ struct HitPoints<'a> {
 impl HitPoints<'_> {
     /// The point that a pixel shows.
     fn point(&self, x: usize, y: usize) -> Option<DVec3> {
-        let is_inside = x < self.points.x.width() && y < self.points.x.height();
-        if !is_inside || !self.scene.is_specular(self.frame, x, y) {
-            return None;
-        }
-        Some(self.points.at(x, y)).filter(|point| point.is_finite())
+        self.points.x.get(x, y)?;
+        let is_specular = self.scene.is_specular(self.frame, x, y);
+        Some(self.points.at(x, y)).filter(|point| is_specular && point.is_finite())
     }
 
     /// Change of the point from pixel to pixel to the right and up.
@@ -145,18 +143,12 @@ impl HitPoints<'_> {
             let normal = self.normal(x, y).filter(|_| goes_on)?;
             Some(NormalRay::new(offset, normal))
         };
-        let ray = |x, y, step| ray(x, y, step).unwrap_or(NormalRay::NONE);
         let sides = [
-            Sides {
-                before: ray(x.wrapping_sub(1), y, right),
-                after: ray(x + 1, y, right),
-                step_px: 1.0,
-            },
-            Sides {
-                before: ray(x, y + 1, up),
-                after: ray(x, y.wrapping_sub(1), up),
-                step_px: 1.0,
-            },
+            Sides::of(
+                [ray(x.wrapping_sub(1), y, right), ray(x + 1, y, right)],
+                1.0,
+            ),
+            Sides::of([ray(x, y + 1, up), ray(x, y.wrapping_sub(1), up)], 1.0),
         ];
         // A step between two points is off by their rounding, and a normal by that over the step.
         let offset = f64::from(f32::EPSILON) * here.length();

@@ -6,19 +6,20 @@ pub(crate) mod seen;
 pub(crate) mod stage;
 pub(crate) mod tangents;
 
-pub(crate) use crate::line::specular::map_directions::DirectionCache;
-
 use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::specular::hit_points::hit_pixels;
+use crate::line::specular::map_directions::{DirectionCache, directions};
 use crate::line::specular::seen::{SeenPixel, seen_pixels};
 use crate::line::specular::tangents::Tangents;
 use crate::params::{LineParams, SpecularParams};
 use crate::plan::Plan;
 use crate::shape::edges::cpu as edges;
 use crate::trace::Tracer;
+use std::convert::Infallible;
+use std::sync::Arc;
 
 /// The surface that a frame's specular pixels show.
 pub(crate) struct SeenThrough {
@@ -62,7 +63,10 @@ pub(crate) fn seen_through(
         tracer: &tracer,
         camera,
         behind: behind.unwrap_or_default(),
-        around: scene.surroundings.as_ref().map(|map| kept.of(map)),
+        around: scene.surroundings.as_ref().map(|map| {
+            let Ok(made) = kept.of(map, || Ok::<_, Infallible>(Arc::new(directions(map))));
+            made
+        }),
         families: [0, 1].into_iter().filter(|&f| wanted[f]).collect(),
         fallback: params.field.fallback,
     };
@@ -84,11 +88,8 @@ pub(crate) fn seen_through(
 }
 
 fn blank(frame: &Frame) -> Vector2Planes {
-    let plane = || frame.normal.x.map(|_| 0.0);
-    Vector2Planes {
-        x: plane(),
-        y: plane(),
-    }
+    let [x, y] = [(); 2].map(|()| frame.normal.x.map(|_| 0.0));
+    Vector2Planes { x, y }
 }
 
 /// The frame's shape, with the apparent one in its specular pixels; without the picture.
