@@ -181,24 +181,14 @@ impl ExactScene {
 
     /// The mirrored scene, matching `mirrored` for a frame `width` pixels wide.
     pub fn mirrored(&self, width: usize) -> Self {
-        let width = width as f64;
+        let mut projection = self.projection;
+        let (Projection::Perspective { cx, .. } | Projection::Orthographic { cx, .. }) =
+            &mut projection;
+        *cx = width as f64 - *cx;
         Self {
             surfaces: self.surfaces.iter().map(|s| s.mirrored()).collect(),
             seen: self.seen,
-            projection: match self.projection {
-                Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
-                    fx,
-                    fy,
-                    cx: width - cx,
-                    cy,
-                },
-                Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
-                    sx,
-                    sy,
-                    cx: width - cx,
-                    cy,
-                },
-            },
+            projection,
         }
     }
 
@@ -335,11 +325,7 @@ impl ExactScene {
         };
         Frame {
             depth: Some(plane(|e| e.depth)),
-            color: Some(ColorPlanes {
-                r: gray.clone(),
-                g: gray.clone(),
-                b: gray,
-            }),
+            color: Some(ColorPlanes::grey(gray)),
             alpha: Some(plane(|_| 1.0)),
             camera: Some(Camera {
                 view_from_world: DAffine3::IDENTITY,

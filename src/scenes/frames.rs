@@ -36,11 +36,7 @@ pub fn masked(frame: Frame, covered: impl FnMut(usize, usize) -> bool) -> Frame 
 pub fn grey(frame: Frame, tone: f32) -> Frame {
     let even = Plane::filled(frame.mask.width(), frame.mask.height(), tone);
     Frame {
-        color: Some(ColorPlanes {
-            r: even.clone(),
-            g: even.clone(),
-            b: even,
-        }),
+        color: Some(ColorPlanes::grey(even)),
         ..frame
     }
 }

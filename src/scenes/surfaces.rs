@@ -132,93 +132,43 @@ impl Surface {
     }
 
     /// The surface moved by `by`.
-    pub fn moved(self, by: DVec3) -> Self {
-        match self {
-            Self::Plane { point, normal } => Self::Plane {
-                point: point + by,
-                normal,
-            },
-            Self::Quadric {
-                center,
-                form,
-                linear,
-                constant,
-            } => Self::Quadric {
-                center: center + by,
-                form,
-                linear,
-                constant,
-            },
-            Self::Torus {
-                center,
-                axis,
-                ring,
-                tube,
-            } => Self::Torus {
-                center: center + by,
-                axis,
-                ring,
-                tube,
-            },
-            Self::SineRelief {
-                base,
-                amplitude,
-                wave,
-            } => {
+    pub fn moved(mut self, by: DVec3) -> Self {
+        match &mut self {
+            Self::Plane { point, .. } => *point += by,
+            Self::Quadric { center, .. } | Self::Torus { center, .. } => *center += by,
+            Self::SineRelief { base, .. } => {
                 assert!(
                     by.truncate() == DVec2::ZERO,
                     "a relief moves along the view axis only"
                 );
-                Self::SineRelief {
-                    base: base + by.z,
-                    amplitude,
-                    wave,
-                }
+                *base += by.z;
             }
         }
+        self
     }
 
     /// The surface with x negated.
-    pub fn mirrored(self) -> Self {
-        let turn = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
+    pub fn mirrored(mut self) -> Self {
+        let turn = |v: &mut DVec3| v.x = -v.x;
         let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
-        match self {
-            Self::Plane { point, normal } => Self::Plane {
-                point: turn(point),
-                normal: turn(normal),
-            },
+        match &mut self {
+            Self::Plane { point, normal } => [point, normal].map(turn),
             Self::Quadric {
                 center,
                 form,
                 linear,
-                constant,
-            } => Self::Quadric {
-                center: turn(center),
-                form: mirror * form * mirror,
-                linear: turn(linear),
-                constant,
-            },
-            Self::Torus {
-                center,
-                axis,
-                ring,
-                tube,
-            } => Self::Torus {
-                center: turn(center),
-                axis: turn(axis),
-                ring,
-                tube,
-            },
-            Self::SineRelief {
-                base,
-                amplitude,
-                wave,
-            } => Self::SineRelief {
-                base,
-                amplitude,
-                wave: DVec2::new(-wave.x, wave.y),
-            },
-        }
+                ..
+            } => {
+                *form = mirror * *form * mirror;
+                [center, linear].map(turn)
+            }
+            Self::Torus { center, axis, .. } => [center, axis].map(turn),
+            Self::SineRelief { wave, .. } => {
+                wave.x = -wave.x;
+                [(); 2]
+            }
+        };
+        self
     }
 
     /// F at a point.
