@@ -1,6 +1,6 @@
 //! From a frame in new light to the shadows in it.
 
-use super::casting::Caster;
+use super::casting::{Caster, Casting};
 use super::horizons::Horizons;
 use super::march::{Place, Relief};
 use super::{Lamp, longest_px, shares};
@@ -60,8 +60,8 @@ struct Surface<'a> {
     frame: &'a Frame,
     plan: &'a Plan,
     by: Caster,
-    /// In pixels.
-    height: Plane,
+    /// In pixels, if sweeps need it.
+    height: Option<Plane>,
     /// Pixels are so many times as wide as high.
     pixel_shape: f32,
 }
@@ -70,15 +70,16 @@ impl<'a> Surface<'a> {
     /// Of a frame; `height` is what its normals tell.
     fn new(frame: &'a Frame, plan: &'a Plan, height: Option<&Plane>) -> Self {
         let relighting = plan.relighting.as_ref().expect("shadows are of new light");
-        let by = relighting.casting.by;
+        let Casting { by, sky, .. } = relighting.casting;
+        let is_swept = by != Caster::Depth || sky.is_cast;
         Self {
             frame,
             plan,
             by,
-            height: match (by, height) {
+            height: is_swept.then(|| match (by, height) {
                 (Caster::Normals, Some(height)) => in_pixels(height, frame),
                 _ => heights_of_depth(frame),
-            },
+            }),
             pixel_shape: SightLines::of(frame).pixel_shape().abs() as f32,
         }
     }
@@ -132,14 +133,18 @@ impl<'a> Surface<'a> {
     /// The heights; those that repeat a tile as the tile, with as much of its repetition as shadows are long, but no more than
     /// once to every side.
     fn around(&self, longest_px: impl Fn(&Plane) -> f32) -> Around<'_> {
+        let height = self
+            .height
+            .as_ref()
+            .expect("it is known where sweeps need it");
         let Some(tile) = self.plan.tile else {
             return Around {
-                height: Cow::Borrowed(&self.height),
+                height: Cow::Borrowed(height),
                 windows: None,
             };
         };
         let (window, whole) = (tile.window, self.frame.data_window);
-        let own = self.height.crop(whole, window);
+        let own = height.crop(whole, window);
         let most = window.width().max(window.height());
         let grown = tile.grown(longest_px(&own).min(most as f32).ceil() as usize);
         Around {
