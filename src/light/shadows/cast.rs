@@ -8,7 +8,7 @@ use crate::engine::cpu::execution::Execution;
 use crate::frame::{Frame, Plane, SightLines, Vector3Planes, Window};
 use crate::kernel::memory::Memory;
 use crate::light::lights::{DirectionalLight, Illumination};
-use crate::params::{Adaptive, RelightParams};
+use crate::params::RelightParams;
 use crate::plan::Plan;
 use crate::shape::occlusion::cpu::in_pixels;
 use std::borrow::Cow;
@@ -95,7 +95,7 @@ impl<'a> Surface<'a> {
         let fill = params.shadow_fill;
         let arrives = |seen: f32| (WHOLE * (fill + (1.0 - fill) * seen)).round() as u16;
         let is_marched = self.by == Caster::Depth || !illumination.points.is_empty();
-        let relief = is_marched.then(|| Relief::new(self.frame, thickness(params)));
+        let relief = is_marched.then(|| Relief::new(self.frame, params.thickness));
         let far = lamps(illumination, params).map(|(light, lamp)| {
             let seen = match (self.by, &relief) {
                 (Caster::Depth, Some(relief)) => relief.shares(&Place::Far(lamp), normal, memory),
@@ -168,14 +168,6 @@ impl Around<'_> {
             Some([grown, window, whole]) => found.crop(grown, window).repeated(window, whole),
             None => found,
         }
-    }
-}
-
-/// The thickness of surfaces, if it is given.
-fn thickness(params: &RelightParams) -> Option<f32> {
-    match params.thickness {
-        Adaptive::Auto => None,
-        Adaptive::Fixed(thickness) => Some(thickness),
     }
 }
 

@@ -7,10 +7,11 @@
 //! what is hidden (visibility bitmasks: Therrien, Levesque, Gilet: Screen Space Indirect Lighting with Visibility Bitmask,
 //! 2023). Changes: a wedge toward a lamp instead of half a circle, and no angles are computed.
 
-use crate::frame::{DepthKind, Frame, Plane, Projection, SightLines, Vector3Planes};
+use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Vector3Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
 use crate::light::shadows::Lamp;
+use crate::params::Adaptive;
 use crate::shape::occlusion::NOTHING;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -60,30 +61,30 @@ pub(super) struct Relief<'f> {
 }
 
 impl<'f> Relief<'f> {
-    /// Of a frame with positions; without a given thickness with one that suits what is seen.
-    pub(super) fn new(frame: &'f Frame, thickness: Option<f32>) -> Self {
+    /// Of a frame with positions; an automatic thickness is one that suits what is seen.
+    pub(super) fn new(frame: &'f Frame, thickness: Adaptive) -> Self {
         let projection = SightLines::of(frame).projection();
         let nearness = nearness(frame, &projection);
-        let [rounding, step] = frame.source.depth_rounding;
-        let (pixels, is_perspective) = match projection {
-            Projection::Perspective { fx, .. } => (fx as f32, true),
-            Projection::Orthographic { sx, .. } => (sx as f32, false),
-        };
         let blocks = blocks(&nearness);
         let most = blocks.samples().iter().copied().fold(NOTHING, f32::max);
         let least = nearness.samples().iter().filter(|&&n| n > NOTHING);
         let range = most - least.copied().fold(most, f32::min);
+        let [share, step] = frame.source.depth_rounding;
+        let (pixels, rounding, jump) = match projection {
+            Projection::Perspective { fx, .. } => (fx as f32, share, JUMP),
+            Projection::Orthographic { sx, .. } => (sx as f32, step, JUMP * range),
+        };
         Self {
             frame,
+            thickness: match thickness {
+                Adaptive::Fixed(thickness) => thickness,
+                Adaptive::Auto => thickness_of(&frame.mask, &nearness, &projection),
+            },
             nearness,
             blocks,
             most,
-            thickness: thickness.unwrap_or_else(|| thickness_of(frame, &projection)),
-            bias: match is_perspective {
-                true => BIAS_PX / pixels + 2.0 * rounding,
-                false => BIAS_PX / pixels + 2.0 * step,
-            },
-            jump: if is_perspective { JUMP } else { JUMP * range },
+            bias: BIAS_PX / pixels + 2.0 * rounding,
+            jump,
             projection,
         }
     }
@@ -400,17 +401,15 @@ fn blocks(nearness: &Plane) -> Plane {
 }
 
 /// The thickness that suits what is seen: a share of the size of its area at its median depth.
-fn thickness_of(frame: &Frame, projection: &Projection) -> f32 {
-    let depth = frame
-        .depth
-        .as_ref()
-        .expect("the plan found it in the frame");
-    let sampled = frame.mask.sample(WANTED_DEPTHS);
-    let mut depths: Vec<f32> = sampled.map(|(x, y)| depth.at(x, y)).collect();
-    let middle = quantile(&mut depths, 0.5, f32::total_cmp).unwrap_or(1.0);
-    let size_px = (frame.mask.count() as f64).sqrt();
+fn thickness_of(mask: &Mask, nearness: &Plane, projection: &Projection) -> f32 {
+    let sampled = mask.sample(WANTED_DEPTHS);
+    let mut seen: Vec<f32> = sampled.map(|(x, y)| nearness.at(x, y)).collect();
+    let middle = quantile(&mut seen, 0.5, f32::total_cmp).unwrap_or(1.0);
+    let size_px = (mask.count() as f64).sqrt();
     let size = match *projection {
-        Projection::Perspective { fx, fy, .. } => size_px * f64::from(middle) / (fx * fy).sqrt(),
+        Projection::Perspective { fx, fy, .. } => {
+            size_px / ((fx * fy).sqrt() * f64::from(middle.max(f32::MIN_POSITIVE)))
+        }
         Projection::Orthographic { sx, sy, .. } => size_px / (sx * sy).sqrt(),
     };
     (THICK * size) as f32

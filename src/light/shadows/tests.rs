@@ -4,6 +4,7 @@ use super::*;
 use crate::frame::{Frame, Mask, Vector3Planes};
 use crate::light::batch::BATCH;
 use crate::light::lights::{DirectionalLight, direction_of};
+use crate::params::Adaptive;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -208,7 +209,7 @@ fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
     let lamp = Lamp::of(&DirectionalLight::white([180.0, 45.0]), 0.0);
     let near = DVec3::new(-1e6, -1.5, 1e6);
     for (thickness, from) in [(10.0, 10), (1e6, 1)] {
-        let relief = Relief::new(&frame, Some(thickness));
+        let relief = Relief::new(&frame, Adaptive::Fixed(thickness));
         for place in [Place::Far(lamp), Place::Near(near, 0.0)] {
             let shares = relief.shares(&place, &normal, &Memory::default());
             for d in 1..width - 1 - edge {
