@@ -6,7 +6,7 @@ use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
 use crate::light::relight::curvature::{Curvature, CurvatureRow};
 use crate::light::relight::scene::Scene;
 use crate::light::shadows::cast::WHOLE;
-use crate::light::shadows::horizons::{AZIMUTHS, HorizonLanes, Place, see_sky};
+use crate::light::shadows::horizons::{AZIMUTHS, Bearing, HorizonLanes, see_sky};
 use crate::light::sum::{LightSum, Sums};
 use glam::DVec3;
 use std::ops::Range;
@@ -276,7 +276,7 @@ impl Batch {
     /// Takes off what horizons hide of light from this direction.
     #[inline(always)]
     pub(crate) fn hide(&mut self, direction: [f32; 3]) {
-        Place::of(direction).hide(&self.horizons, &mut self.near.1);
+        Bearing::of(direction).hide(&self.horizons, &mut self.near.1);
     }
 
     /// Takes off what horizons hide of light that was looked up for this direction.

@@ -223,9 +223,10 @@ fn environment_prefilter(relighting: &Relighting) -> Verdict {
 
 fn shadows(relighting: &Relighting) -> Verdict {
     let Casting { lamps, sky, .. } = relighting.casting;
-    match lamps.is_cast || !sky.is_cast {
-        true => runs_if(lamps.is_cast, lamps.why, lamps.why),
-        false => Verdict::runs(sky.why),
+    match [lamps.is_cast, sky.is_cast] {
+        [true, true] => Verdict::runs(format!("{}; {}", lamps.why, sky.why)),
+        [false, true] => Verdict::runs(sky.why),
+        [is_cast, false] => runs_if(is_cast, lamps.why, lamps.why),
     }
 }
 

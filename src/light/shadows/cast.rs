@@ -133,10 +133,7 @@ impl<'a> Surface<'a> {
     /// The heights; those that repeat a tile as the tile, with as much of its repetition as shadows are long, but no more than
     /// once to every side.
     fn around(&self, longest_px: impl Fn(&Plane) -> f32) -> Around<'_> {
-        let height = self
-            .height
-            .as_ref()
-            .expect("it is known where sweeps need it");
+        let height = self.height.as_ref().expect("sweeps have it");
         let Some(tile) = self.plan.tile else {
             return Around {
                 height: Cow::Borrowed(height),

@@ -48,7 +48,7 @@ pub(crate) struct Casters {
 }
 
 impl Casting {
-    /// The shadows of what is there of `light`.
+    /// Which of the light that is there casts shadows on what is available.
     ///
     /// # Errors
     /// [`Error::BadParameter`] where shadows are asked for of light that casts none.

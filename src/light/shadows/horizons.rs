@@ -92,14 +92,14 @@ fn azimuth(k: usize) -> f32 {
 }
 
 /// Where a light stands among the azimuths.
-pub(crate) struct Place {
+pub(crate) struct Bearing {
     beside: [usize; 2],
     /// The share of the second of them.
     share: f32,
     elevation: f32,
 }
 
-impl Place {
+impl Bearing {
     /// Of a light in this direction.
     pub(crate) fn of([x, y, z]: [f32; 3]) -> Self {
         let turn = y.atan2(x).rem_euclid(TAU) / TAU * AZIMUTHS as f32;

@@ -233,7 +233,7 @@ fn seen_from(heights: &Plane, [x, y]: [usize; 2], directions: &[[f32; 3]]) -> (V
     horizons.copy_to(&mut lanes, 0, (y, x..x + 1));
     let seen = directions.iter().map(|direction| {
         let mut light = [1.0; BATCH];
-        horizons::Place::of(*direction).hide(&lanes, &mut light);
+        horizons::Bearing::of(*direction).hide(&lanes, &mut light);
         light[0]
     });
     let normals = [[0.0; BATCH], [0.0; BATCH], [1.0; BATCH]];
