@@ -160,8 +160,8 @@ pub(crate) struct OutputArgs {
     /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
     #[arg(hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
-    /// Pictures: mapping from scene-linear to display. standard, also called srgb, is the sRGB curve; agx that of
-    /// Blender's AgX; none writes the linear numbers from 0 to 1.
+    /// Pictures: mapping from scene-linear to display. standard, also called srgb, is the sRGB curve; agx and filmic are
+    /// Blender's; none writes the linear numbers from 0 to 1.
     #[arg(hide_short_help = true, long, value_name = "CURVE", default_value = "standard", value_parser = one_of(VIEW_TRANSFORMS))]
     pub(crate) view_transform: View,
     /// JPEG: quality, 1 to 100; 95 by default.
@@ -194,6 +194,8 @@ pub(crate) enum View {
     Standard,
     /// Exposure, AgX, the sRGB curve.
     Agx,
+    /// Exposure, Filmic, the sRGB curve.
+    Filmic,
     /// Nothing.
     None,
 }
@@ -202,17 +204,18 @@ impl View {
     /// The encoding of values.
     pub(crate) fn transform(self) -> ViewTransform {
         match self {
-            Self::Standard | Self::Agx => ViewTransform::Srgb,
+            Self::Standard | Self::Agx | Self::Filmic => ViewTransform::Srgb,
             Self::None => ViewTransform::None,
         }
     }
 }
 
 /// Names of mappings.
-const VIEW_TRANSFORMS: [(View, &str); 4] = [
+const VIEW_TRANSFORMS: [(View, &str); 5] = [
     (View::Standard, "standard"),
     (View::Standard, "srgb"),
     (View::Agx, "agx"),
+    (View::Filmic, "filmic"),
     (View::None, "none"),
 ];
 

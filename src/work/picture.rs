@@ -58,7 +58,7 @@ impl<'a> MadePicture<'a> {
         }
     }
 
-    /// Whether the exposure is still to be chosen: AgX has room for bright light, and linear numbers stay.
+    /// Whether the exposure is still to be chosen: AgX and Filmic have room for bright light, and linear numbers stay.
     pub(crate) fn leaves_exposure(&self, work: &WorkArgs) -> bool {
         work.flags.params.display.exposure == Exposure::Auto
             && work.output.view_transform == View::Standard
@@ -118,6 +118,7 @@ impl Displayed<'_> {
         }
         let bright = match (self.view, self.highlights, &self.before) {
             (View::Agx, ..) => Bright::Agx,
+            (View::Filmic, ..) => Bright::Filmic,
             (_, Highlights::Clip, _) => Bright::Clipped,
             (_, Highlights::Compress, None) => Bright::Compressed,
             (_, Highlights::Compress, Some(before)) => Bright::ChangedFrom(before),

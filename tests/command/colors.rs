@@ -87,10 +87,11 @@ fn encoded_colours_are_made_linear_and_data_are_not() {
     )
     .ended(0);
     assert_eq!(pixel(&here.join("shape.exr"), "normal.z"), 1.0);
-    // AgX, as Blender has it, keeps middle grey: by the sRGB curve 0.4614. `srgb` is the standard.
+    // AgX, as Blender has it, keeps middle grey: by the sRGB curve 0.4614; Filmic makes it half of the display's code. `srgb` is the standard.
     write_wall(&here.join("grey.exr"), [0.18; 3], None);
     for (view, expected) in [
         ("agx", 0.4614),
+        ("filmic", 0.5002),
         ("standard", 0.4614),
         ("srgb", 0.4614),
         ("none", 0.18),

@@ -1,6 +1,7 @@
 //! Mapping of light to the range of a display.
 
 use super::agx::agx;
+use super::filmic::filmic;
 use super::group::{Colors, color_at, each, largest};
 use crate::frame::ColorPlanes;
 
@@ -34,6 +35,8 @@ pub enum Bright<'a> {
     ChangedFrom(&'a ColorPlanes),
     /// All light is mapped by AgX, which leaves room for highlights 6.5 stops above middle grey and takes their colour.
     Agx,
+    /// All light is mapped by Filmic, which has the room of AgX and keeps purer colours.
+    Filmic,
 }
 
 /// A display mapping, with its per-picture constants.
@@ -64,6 +67,7 @@ impl Shown<'_> {
         match self.bright {
             Bright::Clipped => colors,
             Bright::Agx => each(&colors, |_, color| agx(color)),
+            Bright::Filmic => each(&colors, |_, color| filmic(color)),
             Bright::Compressed => each(&colors, |_, color| compressed(color, KNEE)),
             Bright::ChangedFrom(before) => {
                 let before = of(before);
@@ -88,7 +92,7 @@ impl Shown<'_> {
     ) -> bool {
         let color = color.map(|v| self.gain * v);
         match self.bright {
-            Bright::Clipped | Bright::Agx => false,
+            Bright::Clipped | Bright::Agx | Bright::Filmic => false,
             Bright::Compressed => largest(color) > KNEE,
             Bright::ChangedFrom(before) => {
                 let before = of(before).map(|v| self.gain * v);

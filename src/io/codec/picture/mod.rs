@@ -8,6 +8,7 @@ mod display;
 mod encoding;
 #[cfg(feature = "cli")]
 mod exposure;
+mod filmic;
 mod format;
 mod gathered;
 mod group;
