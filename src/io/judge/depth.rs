@@ -2,10 +2,11 @@
 
 use super::surface::SurfaceSamples;
 use crate::frame::normals::{normalise, turn_to_view};
-use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, SightLines, Vector3Planes};
+use crate::frame::{Camera, DepthKind, Frame, Mask, NormalSpace, Plane, SightLines, Vector3Planes};
 use crate::io::camera::median;
 use crate::io::finding::Finding;
 use crate::io::inputs::StoredDepth;
+use glam::DVec3;
 
 /// The quantity that a layer of depth holds, where it is known, and why.
 pub(crate) type Sense = Option<(StoredDepth, String)>;
@@ -19,6 +20,39 @@ const FEWEST_SAMPLES: usize = 16;
 /// Median sine of the angle between the neighbours' tangent planes and the steps to a point, from which on the layer is
 /// no distance, or shows a different surface than the normals.
 const WORST_SINE: f64 = 0.05;
+
+/// Median difference of depth from the distances of positions, as a share, up to which it is one of these. Positions
+/// averaged over an open lens are met within 0.05 % (`fixtures/blur.exr`); distances along ray and axis differ by 2 % in the
+/// median from a field of view of 30 degrees on.
+const WORST_SHARE: f64 = 0.01;
+
+/// The kind of distance of `depth` that positions beside it have by the camera, and why; `None` where they have neither,
+/// or both alike. It holds where blur has turned normals and depth away from each other.
+pub(crate) fn depth_beside_positions(
+    depth: &Plane,
+    positions: &Vector3Planes,
+    mask: &Mask,
+    camera: &Camera,
+) -> Sense {
+    let pixels = sample_pixels(mask);
+    let off = |of: fn(DVec3) -> f64| {
+        let shares = pixels.iter().map(|&(x, y)| {
+            let seen = camera.view_from_world.transform_point3(positions.at(x, y));
+            (f64::from(depth.at(x, y)) / of(seen) - 1.0).abs()
+        });
+        let mut shares: Vec<f64> = shares.filter(|share| share.is_finite()).collect();
+        median(&mut shares, FEWEST_SAMPLES)
+    };
+    let [planar, ray] = [off(|p| -p.z)?, off(DVec3::length)?];
+    let (stored, share, other) = match planar <= ray {
+        true => (StoredDepth::Planar, planar, ray),
+        false => (StoredDepth::Ray, ray, planar),
+    };
+    (share < WORST_SHARE && 2.0 * share < other).then(|| {
+        let evidence = format!("within {:.2} % of the positions' distances", 100.0 * share);
+        (stored, evidence)
+    })
+}
 
 /// The kind of distance for which the points of `frame` lie on each other's tangent planes, and why.
 ///
@@ -72,7 +106,7 @@ pub(crate) fn off_tangents(
 /// angles.
 fn better_kind(frame: &Frame, depth: &Plane, camera: &Camera) -> Option<(StoredDepth, f64)> {
     let sight = SightLines::new(camera.projection);
-    let pixels = sample_pixels(frame);
+    let pixels = sample_pixels(&frame.mask);
     let kinds = [StoredDepth::Planar, StoredDepth::Ray].into_iter();
     let judged = kinds.filter_map(|stored| {
         let mut sines = sines(frame, depth, &sight, stored.kind(), &pixels);
@@ -82,8 +116,7 @@ fn better_kind(frame: &Frame, depth: &Plane, camera: &Camera) -> Option<(StoredD
 }
 
 /// Covered pixels with covered neighbours on all four sides, evenly spread.
-fn sample_pixels(frame: &Frame) -> Vec<(usize, usize)> {
-    let mask = &frame.mask;
+fn sample_pixels(mask: &Mask) -> Vec<(usize, usize)> {
     let stride = ((mask.count() / SAMPLES) as f64).sqrt().max(1.0) as usize;
     let inner = |length: usize| (1..length.saturating_sub(1)).step_by(stride);
     inner(mask.height())

@@ -12,6 +12,8 @@ use relievo::io::camera::{
     recover_camera_from_depth,
 };
 use relievo::io::exr::{ExrFile, Limits};
+use relievo::io::inputs::{Inputs, StoredDepth};
+use relievo::io::{Needs, load};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -250,4 +252,15 @@ fn positions_that_scatter_out_of_focus_give_the_camera_between_them() {
     assert!(turn < 0.05, "{turn} degrees");
     let ratio = focal(&found.camera) / focal(&truth);
     assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+}
+
+#[test]
+fn depth_out_of_focus_is_known_by_its_positions() {
+    let inputs = Inputs {
+        picture: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/blur.exr"),
+        ..Inputs::default()
+    };
+    // Normals averaged over the lens lie 8 degrees off the tangents of its points, which would leave depth relative.
+    let loaded = load(&inputs, Needs::default()).expect("a readable render");
+    assert_eq!(loaded.conventions.depth_kind, Some(StoredDepth::Planar));
 }
