@@ -40,7 +40,7 @@ use crate::io::inputs::{
     Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap,
 };
 use crate::io::judge::borders::Borders;
-use crate::io::judge::depth::{Sense, depth_finding, judge_depth};
+use crate::io::judge::depth::{Sense, depth_beside_positions, depth_finding, judge_depth};
 use crate::io::judge::surface::SurfaceSamples;
 use crate::io::motion::MotionLayers;
 use crate::io::photo::{PhotoMetadata, StoredPhoto};
@@ -413,6 +413,17 @@ impl FrameSource<'_> {
         notes.on_filled(filled, &mask);
         let view = self.turn_to_view(needs, &mut normal, (&mask, layers), notes)?;
         let depth_is_half = self.depth_is_half(layers);
+        let beside = (
+            layers.depth.as_ref(),
+            layers.position.as_ref(),
+            &view.camera,
+        );
+        let sense = sense.or_else(|| match beside {
+            (Some(depth), Some(positions), Some(camera)) if !depth_is_half => {
+                depth_beside_positions(depth, positions, &mask, camera)
+            }
+            _ => None,
+        });
         if let Some(depth) = self.depth_of_positions(layers, view.camera.as_ref(), &mut mask) {
             layers.depth = Some(depth);
         }
