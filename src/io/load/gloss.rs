@@ -180,13 +180,16 @@ impl GlossPixel {
         let full = largest(self.mirrors) / largest(shown).max(f32::MIN_POSITIVE);
         // Colours of clear surfaces are reflectances anyway.
         let of_plastic = (1.0 - metal) * (PLASTIC + (1.0 - PLASTIC) * clear);
+        // What mirrors and lets pass more than all light, as Cycles' hair does, tells tints of both: it mirrors as plastic.
+        let both = (largest(self.mirrors) + largest(self.passes)) * self.per_cover;
+        let real = 1.0 - (both - (1.0 + PLASTIC)).clamp(0.0, 1.0 - PLASTIC);
         let mut gloss = [[0.0; 3], self.scene, [0.0; 3]];
         for k in 0..3 {
             let reflectance = match is_tint {
                 true => of_plastic * self.mirrors[k] + metal * full * shown[k],
                 false => self.mirrors[k],
             };
-            gloss[0][k] = reflectance.max(0.0);
+            gloss[0][k] = (real * reflectance).max(0.0);
             let told = self.through[k] + self.emitted[k];
             gloss[2][k] = match self.picture {
                 Some(picture) => {
@@ -410,5 +413,13 @@ mod tests {
             ..metal([0.04; 3], [0.02; 3])
         };
         assert_near(glass.gloss(true)[0], [0.04; 3]);
+        // Hair tells 1 of both colours, which no surface reflects and lets pass.
+        let hair = GlossPixel {
+            passes: [1.0; 3],
+            ..metal([1.0; 3], [0.02; 3])
+        };
+        for is_tint in [true, false] {
+            assert_near(hair.gloss(is_tint)[0], [0.04; 3]);
+        }
     }
 }
