@@ -252,8 +252,7 @@ pub(super) fn refuse_compression(path: &Path) -> Result<()> {
     let mut decoder = Decoder::new(file).map_err(failed)?;
     let stored = decoder.find_tag_unsigned::<u16>(Tag::Compression);
     let name = match stored.map_err(failed)? {
-        Some(50_000) => "ZSTD",
-        Some(50_001) => "WebP",
+        Some(50_000) if cfg!(not(feature = "zstd")) => "ZSTD",
         Some(34_887) => "LERC",
         Some(34_925) => "LZMA",
         Some(34_712 | 33_003 | 33_005) => "JPEG 2000",
