@@ -48,8 +48,8 @@ pub(crate) struct RoleArgs {
     /// The picture to be enhanced: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     color: Option<String>,
-    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out. For relight,
-    /// computed is --sky-shadows on without a layer of it.
+    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out. computed
+    /// is that of the shape: for relight --sky-shadows on without a layer, for enhance what --scaling-ambient scales.
     #[arg(hide_short_help = true, long, value_name = "NAME|FILE|none|computed")]
     occlusion: Option<String>,
     /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
@@ -162,7 +162,7 @@ fn name<T: PartialEq>(all: &[(T, &'static str)], value: &T) -> &'static str {
     named.expect("every value has a word").1
 }
 
-/// What --occlusion calls that of the surface itself, in new light.
+/// What --occlusion calls that of the surface itself.
 const COMPUTED: &str = "computed";
 
 impl RoleArgs {

@@ -152,7 +152,7 @@ fn check_frame(planned: &Available, frame: &Frame) -> Result<()> {
         ("light groups", planned.light.groups, there.light.groups),
         (
             "a layer of ambient occlusion",
-            planned.light.occlusion,
+            planned.light.occlusion && !planned.light.occlusion_is_computed,
             there.light.occlusion,
         ),
     ];

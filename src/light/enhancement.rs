@@ -16,6 +16,8 @@ pub struct LightAvailable {
     pub groups: bool,
     /// Ambient occlusion.
     pub occlusion: bool,
+    /// Whether that is found from the shape, not a layer.
+    pub occlusion_is_computed: bool,
     /// Whether the picture is itself ambient occlusion.
     pub picture_is_occlusion: bool,
 }
@@ -28,6 +30,7 @@ impl LightAvailable {
         specular: false,
         groups: false,
         occlusion: false,
+        occlusion_is_computed: false,
         picture_is_occlusion: false,
     };
 
@@ -40,7 +43,18 @@ impl LightAvailable {
             specular: light.lobes.iter().any(|l| !l.lobe.is_diffuse()),
             groups: !light.groups.is_empty(),
             occlusion: light.occlusion.is_some(),
+            occlusion_is_computed: false,
             picture_is_occlusion: light.picture_is_occlusion,
+        }
+    }
+
+    /// With the occlusion that the shape has, in place of a layer.
+    #[must_use]
+    pub fn with_computed_occlusion(self) -> Self {
+        Self {
+            occlusion: true,
+            occlusion_is_computed: true,
+            ..self
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::frame::{DepthKind, Frame};
 use crate::light::enhancement::LightAvailable;
 use crate::light::lights::{Illumination, LightKinds};
+use crate::light::relight::grain::is_grainy;
 use crate::params::{SpecularParams, Style};
 use crate::shape::bends::bends;
 
@@ -33,6 +34,8 @@ pub struct Available {
     pub image_width: usize,
     /// Depth and a camera, which together give positions.
     pub positions: bool,
+    /// Whether the layer of ambient occlusion has the grain of few samples.
+    pub grainy_occlusion: bool,
     /// Whether it is a photo or a map of a surface without gaps: no depth but heights, and no passes of light.
     pub is_map: bool,
     /// Largest rounding error of a component of the normals.
@@ -67,6 +70,7 @@ impl Available {
             positions: frame.depth.is_some()
                 && frame.camera.is_some()
                 && frame.source.depth_kind != DepthKind::Relative,
+            grainy_occlusion: is_grainy(frame),
             is_map: frame.is_map(),
             normal_rounding: frame.source.normal_rounding,
             light: LightAvailable::of(&frame.light),

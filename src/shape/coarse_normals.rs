@@ -11,9 +11,7 @@ use crate::frame::{Vector2Planes, Vector3Planes, parallel_rows};
 use crate::kernel::rows::ROWS_PER_TASK;
 use crate::params::MAX_SIGMA_PX;
 use crate::plan::Plan;
-use crate::shape::diffusion::cpu;
-use crate::shape::diffusion::medium::Medium;
-use crate::shape::diffusion::stage::in_tile;
+use crate::shape::diffusion::stage::spread;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::edges::stage::EDGES;
 use rayon::prelude::*;
@@ -60,24 +58,9 @@ pub(crate) fn coarse_normals(
         plan.key(EDGES.name),
         plan.resolution_factor
     );
-    let options = &run.runner.options;
     run.copied_or(NAME, Some(&key), |run| {
-        let conductance = run.outcome.shape.conductance.take();
-        let conductance = conductance.expect("normals spread by conductance");
-        let spread = run.timed(NAME, || {
-            let places = places(normal, memory.vectors(&frame.mask));
-            let medium = Medium::of_whole(&conductance, &frame.mask);
-            let sweeps = sweeps(plan, sigmas_px);
-            let Some(tile) = plan.tile else {
-                return cpu::diffusion(places, medium, &sweeps, options, memory);
-            };
-            let memory = &memory.at_other_size();
-            in_tile(places, medium, tile, frame.data_window, |places, medium| {
-                cpu::diffusion(places, medium, &sweeps, options, memory)
-            })
-        });
-        run.outcome.shape.conductance = Some(conductance);
-        spread.scales
+        let places = places(normal, memory.vectors(&frame.mask));
+        spread(run, NAME, places, &sweeps(plan, sigmas_px))
     })
 }
 

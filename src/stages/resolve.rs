@@ -211,6 +211,7 @@ mod tests {
 
     const DEPTH: Available = Available {
         bends: false,
+        grainy_occlusion: false,
         is_map: false,
         is_flat: false,
         depth: true,
@@ -232,6 +233,7 @@ mod tests {
     };
     const NOTHING: Available = Available {
         bends: false,
+        grainy_occlusion: false,
         is_map: false,
         is_flat: false,
         depth: false,

@@ -6,10 +6,10 @@ use crate::command::args::WorkArgs;
 use crate::command::commands::EnhanceArgs;
 use crate::command::named::Named;
 use crate::engine::outcome::Outcome;
-use crate::error::Result;
+use crate::error::{Result, bad};
 use crate::frame::{Frame, LightLayers};
 use crate::io::Needs;
-use crate::io::inputs::Inputs;
+use crate::io::inputs::{Inputs, NONE};
 use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::{Params, ScalingParams};
@@ -32,6 +32,16 @@ impl Work for EnhanceArgs {
     }
 
     fn check(&self) -> Result<()> {
+        if self.work.roles.computes_occlusion()
+            && self.work.flags.params.scaling.scaling_ambient.is_none()
+        {
+            let found = "is computed, but scaled by nothing";
+            return Err(bad(
+                "--occlusion",
+                found,
+                "give --scaling-ambient, such as 1",
+            ));
+        }
         self.work.check_one_picture()
     }
 
@@ -40,11 +50,17 @@ impl Work for EnhanceArgs {
     }
 
     fn warnings_on(&self, frame: &Frame) -> Vec<String> {
-        idle_magnitudes(&self.work.flags.params.scaling, &frame.light)
+        idle_magnitudes(
+            &self.work.flags.params.scaling,
+            self.light_available(&frame.light),
+        )
     }
 
     fn reading(&self, _: &Illumination) -> Result<(Inputs, Needs)> {
         let mut inputs = self.work.inputs();
+        if self.work.roles.computes_occlusion() {
+            inputs.occlusion = Some(NONE.into());
+        }
         inputs.light = Some(self.light.inputs(&self.work.flags.params));
         let needs = Needs {
             color: true,
@@ -76,7 +92,10 @@ impl Work for EnhanceArgs {
             },
             _ => seen.found.given(scaling),
         };
-        let available = Available::in_frame(seen.frame);
+        let available = Available {
+            light: self.light_available(&seen.frame.light),
+            ..Available::in_frame(seen.frame)
+        };
         let plan = Plan::new(Goal::Enhance, available, shape, scaling)?;
         Ok(vec![plan])
     }
@@ -91,6 +110,17 @@ impl Work for EnhanceArgs {
             like: None,
             form: Form::Light,
         })
+    }
+}
+
+impl EnhanceArgs {
+    /// The light that can be scaled.
+    fn light_available(&self, light: &LightLayers) -> LightAvailable {
+        let own = LightAvailable::of(light);
+        match self.work.roles.computes_occlusion() {
+            true => own.with_computed_occlusion(),
+            false => own,
+        }
     }
 }
 
@@ -129,8 +159,7 @@ pub(crate) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
 }
 
 /// Magnitudes that were given but have no light to scale.
-fn idle_magnitudes(scaling: &ScalingParams, light: &LightLayers) -> Vec<String> {
-    let available = LightAvailable::of(light);
+fn idle_magnitudes(scaling: &ScalingParams, available: LightAvailable) -> Vec<String> {
     let LightAvailable {
         groups,
         occlusion,

@@ -342,3 +342,35 @@ fn a_bend_is_subtracted_and_a_detail_laid_over() {
     );
     refused("normals tilted.png --detail small.png -o n.png", 1, "8x8");
 }
+
+#[test]
+fn the_occlusion_of_the_shape_is_scaled_without_a_file_between() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let [color, normal] = ["tablet.color.jpg", "tablet.normal.png"].map(fixture);
+    let photo = format!("{} --normal {}", color.display(), normal.display());
+    let map = format!(
+        "map {} -o ao.png --map occlusion --bits 16",
+        normal.display()
+    );
+    relievo(here, &map).ended(0);
+    let pictures = ["ao.png", "computed"].map(|occlusion| {
+        let name = format!("by_{}.png", occlusion.len());
+        let flags = format!("--occlusion {occlusion} --scaling-ambient 1 -o {name}");
+        relievo(here, &format!("enhance {photo} {flags}")).ended(0);
+        Photo::read(&here.join(name)).unwrap().channels
+    });
+    let [read, computed] = &pictures;
+    let pairs = read.iter().zip(computed);
+    let off = pairs.flat_map(|(a, b)| {
+        a.samples()
+            .iter()
+            .zip(b.samples())
+            .map(|(a, b)| (a - b).abs())
+    });
+    // A level of eight bits, as the map has sixteen.
+    assert!(off.fold(0.0, f32::max) < 1.5 / 255.0);
+    let unscaled = format!("enhance {photo} --occlusion computed -o no.png");
+    let said = relievo(here, &unscaled).ended(2);
+    assert!(said.contains("--scaling-ambient"), "{said}");
+}

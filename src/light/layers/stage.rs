@@ -50,7 +50,10 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
 
 /// Ambient occlusion of the picture, enhanced or not.
 pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
-    takes: |_| vec![Product::Trace],
+    takes: |plan| match plan.available.light.occlusion_is_computed {
+        true => vec![Product::Trace, Product::Sky],
+        false => vec![Product::Trace],
+    },
     makes: Makes::Picture,
     name: "ambient-occlusion",
     steps: &[Step {
@@ -118,7 +121,8 @@ fn scale_groups(run: &mut Execution) {
 /// The intensity of ambient light is the share that arrives ([RS] section 5.3.1 and figure 8 b).
 fn scale_by_occlusion(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let occlusion = frame.light.occlusion.as_ref();
+    let sky = run.outcome.shape.sky.take();
+    let occlusion = frame.light.occlusion.as_ref().or(sky.as_ref());
     let occlusion = occlusion.expect("the plan has seen occlusion");
     let scaler = Scaler {
         magnitude: plan.scaling.magnitudes().ambient,

@@ -194,7 +194,7 @@ impl Batch {
                 }
             }
         }
-        if let Some(occlusion) = &frame.light.occlusion {
+        if let Some(occlusion) = &scene.occlusion {
             copy(&mut self.occlusion, occlusion);
         }
         if let Some(alpha) = &frame.alpha {

@@ -8,6 +8,7 @@ pub(crate) mod curvature;
 pub(crate) mod gpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_lights;
+pub(crate) mod grain;
 pub(crate) mod look_up;
 pub(crate) mod mirrors;
 pub(crate) mod pilot;
@@ -30,6 +31,7 @@ use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::{Batch, RowShape};
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
+use crate::light::relight::grain::without_grain;
 use crate::light::relight::mirrors::Mirrors;
 use crate::light::relight::scene::{Aligned, Scene};
 use crate::light::shadows::cast::cast;
@@ -100,6 +102,7 @@ pub(crate) fn relight(run: &mut Execution) {
         true => raking::turns(run, normal, &illumination.directional),
         false => None,
     };
+    let quiet = without_grain(run).map(Cow::Owned);
     let aligned = relighting.aligns.then(|| Aligned {
         coarse: coarse_normals(run, normal, &SIGMAS_PX),
         strength: relighting.params.align,
@@ -146,6 +149,7 @@ pub(crate) fn relight(run: &mut Execution) {
         shadows: shadows.unwrap_or_default(),
         around_lights: Directed::all(around.lights()),
         base_lights: Directed::all(around.base_lights()),
+        occlusion: quiet.or(frame.light.occlusion.as_ref().map(Cow::Borrowed)),
         turns,
         aligned,
         points: &illumination.points,

@@ -1,6 +1,6 @@
 //! State shared by all batches of a relit frame.
 
-use crate::frame::{ColorPlanes, Frame, Gloss, Mask, SightLines, Vector2Planes};
+use crate::frame::{ColorPlanes, Frame, Gloss, Mask, Plane, SightLines, Vector2Planes};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
@@ -10,6 +10,7 @@ use crate::light::shadows::cast::Shadows;
 use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::Relighting;
+use std::borrow::Cow;
 
 /// State shared by all batches.
 pub(crate) struct Scene<'a> {
@@ -44,6 +45,8 @@ pub(crate) struct Scene<'a> {
     pub(super) around_lights: Vec<Directed>,
     /// Those that stand for its diffuse light alone.
     pub(super) base_lights: Vec<Directed>,
+    /// The share of light from all around that arrives by a layer, without its grain.
+    pub(super) occlusion: Option<Cow<'a, Plane>>,
     /// The turn of lamps about the view axis, as cosine and sine, if they rake by region.
     pub(super) turns: Option<Vector2Planes>,
     /// How lights are turned to the form, if they are.

@@ -63,6 +63,8 @@ pub(crate) struct Relighting {
     pub warps: bool,
     /// Whether directions are turned to the form, with a strength other than 0.
     pub aligns: bool,
+    /// Whether the grain of an occlusion layer is taken off light from all around.
+    pub(crate) grainy_occlusion: bool,
     /// Whether lamps are turned about the view axis, region by region.
     pub rakes: bool,
     /// Whether reflected light is scaled, with a magnitude other than 0.
@@ -155,6 +157,7 @@ impl Relighting {
             params,
             warps,
             aligns,
+            grainy_occlusion: available.grainy_occlusion && casters.sky && !casting.sky.is_cast,
             rakes,
             scales,
             contrasts: warps && params.warping.contrast != 0.0,
@@ -184,7 +187,7 @@ impl Relighting {
     pub(crate) fn needs_shape(&self) -> bool {
         let is_altered =
             self.warps || self.aligns || self.scales || self.grain || self.lit_spheres == 2;
-        is_altered || self.casts_from_normals()
+        is_altered || self.casts_from_normals() || self.grainy_occlusion
     }
 
     /// Whether shadows are cast by the height that the normals tell.

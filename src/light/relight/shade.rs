@@ -286,7 +286,7 @@ fn add_around(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, li
 /// Takes what a layer of occlusion hides off the diffuse light added so far, unless horizons have.
 #[inline(always)]
 fn dim(batch: &mut Batch, scene: &Scene) {
-    if scene.frame.light.occlusion.is_some() && scene.shadows.horizons.is_none() {
+    if scene.occlusion.is_some() && scene.shadows.horizons.is_none() {
         batch.sum.dim(&batch.occlusion);
     }
 }

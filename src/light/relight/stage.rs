@@ -2,9 +2,8 @@
 
 use crate::light::alignment::SIGMAS_PX;
 use crate::light::intensity::White;
-use crate::light::relight::raking;
-use crate::light::relight::relight;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
+use crate::light::relight::{grain, raking, relight};
 use crate::light::shadows::casting::Casting;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
@@ -58,6 +57,11 @@ pub(crate) static RELIGHT: Stage = Stage {
             name: "environment-prefilter",
             gives: &[],
             decide: |plan| in_new_light(plan, environment_prefilter),
+        },
+        Step {
+            name: grain::NAME,
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, occlusion_grain),
         },
         Step {
             name: "shadows",
@@ -126,7 +130,11 @@ fn reach(plan: &Plan, relighting: &Relighting) -> usize {
         true => raking::reach(plan),
         false => 0,
     };
-    aligned.max(raked)
+    let quietened = match relighting.grainy_occlusion {
+        true => grain::sweeps().count(),
+        false => 0,
+    };
+    aligned.max(raked).max(quietened)
 }
 
 /// Products of the shape stages that relighting needs; none where the light is not modified by shape.
@@ -142,7 +150,8 @@ fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
         takes.extend(slopes);
     }
     takes.extend(relighting.casts_from_normals().then_some(Product::Height));
-    if relighting.aligns && !takes.contains(&Product::Conductance) {
+    let spreads = relighting.aligns || relighting.grainy_occlusion;
+    if spreads && !takes.contains(&Product::Conductance) {
         takes.push(Product::Conductance);
     }
     takes.extend(relighting.grain.then_some(Product::Direction));
@@ -156,6 +165,7 @@ fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
         _ if relighting.casting.any() => Some("shadows"),
         _ if relighting.grain => Some("a grain along the curvature"),
         _ if relighting.rakes => Some("lamps turned by region"),
+        _ if relighting.grainy_occlusion => Some("occlusion with grain"),
         _ if relighting.aligns => Some("light turned to the form"),
         _ if relighting.gloss => Some("metals, glass and lamps by their layers"),
         EnvironmentUse::ToError(ToError { glossy: true, .. }) => {
@@ -228,6 +238,15 @@ fn shadows(relighting: &Relighting) -> Verdict {
         [false, true] => Verdict::runs(sky.why),
         [is_cast, false] => runs_if(is_cast, lamps.why, lamps.why),
     }
+}
+
+fn occlusion_grain(relighting: &Relighting) -> Verdict {
+    let why = "few samples show in the layer: they are spread up to edges";
+    runs_if(
+        relighting.grainy_occlusion,
+        why,
+        "no layer with grain dims light",
+    )
 }
 
 fn warping(relighting: &Relighting) -> Verdict {

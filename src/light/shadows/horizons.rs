@@ -4,7 +4,7 @@
 //! azimuths beside it. A light stands for a piece of the environment about as wide as azimuths are apart, and sets
 //! gradually. What is seen of an even sky has a closed form by azimuth, that of [`crate::shape::occlusion`].
 
-use super::sweep::{Azimuth, Way, tilts};
+use super::sweep::{Azimuth, Looks, Way};
 use crate::frame::Plane;
 use crate::kernel::fast_math::{atan, polynomial};
 use crate::kernel::simd::wide;
@@ -34,17 +34,16 @@ impl Horizons {
         let mut planes = [(); AZIMUTHS].map(|()| Plane::filled(0, 0, 0));
         for way in Way::ALL {
             let turned = way.turned(height);
-            let tilts = tilts(&turned);
             let mut lines = Plane::filled(turned.width(), turned.height(), 0.0);
             let pairs = planes.iter_mut().zip(&azimuths);
             for (plane, azimuth) in pairs.filter(|(_, azimuth)| azimuth.way == way) {
-                let mut elevations = Plane::filled(turned.width(), turned.height(), 0.0);
-                azimuth.sweep(
-                    [&turned, &tilts],
-                    [&mut lines, &mut elevations],
-                    |slopes, per_column| wide!(to_elevations(slopes, per_column)),
-                );
-                *plane = way.turned_back(whole(&elevations));
+                let course =
+                    azimuth.sweep(&turned, Looks::Nearer, &mut lines, |slopes, per_column| {
+                        wide!(to_elevations(slopes, per_column))
+                    });
+                let mut elevations = Plane::filled(turned.width(), turned.height() - 1, 0);
+                course.spread(&lines, &mut elevations, |to, of| *to = of as u8);
+                *plane = way.turned_back(elevations);
             }
         }
         Self(planes)
@@ -69,14 +68,6 @@ impl Horizons {
             }
         }
     }
-}
-
-/// Samples without their fractions.
-fn whole(plane: &Plane) -> Plane<u8> {
-    Plane::of_rows(plane.width(), plane.height(), |y, row| {
-        let pairs = row.iter_mut().zip(plane.row(y));
-        pairs.for_each(|(to, &from)| *to = from as u8);
-    })
 }
 
 /// Slopes per column to elevations in [`UNIT`], from -90 degrees.

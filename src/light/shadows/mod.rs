@@ -3,7 +3,7 @@
 //! Toward the lamp the surface rises to a horizon, and the lamp is seen as far as it stands above that. Horizons of all
 //! pixels along one azimuth follow from sweeps away from the light, each with the upper hull of the heights that it has
 //! passed, in a time linear in pixels (the idea of Timonen, Westerholm: Scalable Height Field Self-Shadowing, Eurographics
-//! 2010, section 3). Changes: a sweep goes through every column, between two pixels of it, and both look at their horizon
+//! 2010, section 3). Changes: a sweep goes through every column, between two pixels of it, and these look at their horizon
 //! from where it passes the plane of their own surface, so that no bias keeps one from shadowing itself; hulls have the
 //! crossings of rows too, so that the edge of a step is where it is at any azimuth; and several azimuths across the lamp
 //! soften shadows beside their caster.
@@ -22,7 +22,7 @@ use crate::kernel::simd::wide;
 use crate::shape::occlusion::NOTHING;
 use lamp::Chord;
 pub(crate) use lamp::Lamp;
-use sweep::{Azimuth, Way, tilts};
+use sweep::{Azimuth, Looks, Way};
 
 /// The most azimuths across a lamp.
 const MOST_AZIMUTHS: usize = 15;
@@ -42,21 +42,21 @@ pub(crate) fn shares(height: &Plane, lamp: &Lamp, shape: f32, memory: &Memory) -
             continue;
         }
         let turned = way.turned(height);
-        let tilts = tilts(&turned);
-        let [mut lines, mut sum] =
-            [(); 2].map(|()| Plane::filled(turned.width(), turned.height(), 0.0));
+        let mut lines = Plane::filled(turned.width(), turned.height(), 0.0);
+        let mut sum = Plane::filled(turned.width(), turned.height() - 1, 0.0);
         for (chord, azimuth) in of_way {
             if memory.is_cancelled() {
                 return shares;
             }
             let share = chord.weight / total;
-            azimuth.sweep(
-                [&turned, &tilts],
-                [&mut lines, &mut sum],
-                |slopes, per_column| {
-                    wide!(seen_row(slopes, chord, per_column, share));
-                },
-            );
+            let looks = match chord.is_disc {
+                true => Looks::Both,
+                false => Looks::Nearer,
+            };
+            let course = azimuth.sweep(&turned, looks, &mut lines, |slopes, per_column| {
+                wide!(seen_row(slopes, chord, per_column, share));
+            });
+            course.spread(&lines, &mut sum, |sum, seen| *sum += seen);
         }
         let back = way.turned_back(sum);
         shares.each_row(|y, row| {

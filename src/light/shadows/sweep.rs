@@ -41,13 +41,16 @@ impl Way {
         }
     }
 
-    /// A plane, turned.
-    pub(super) fn turned(self, plane: &Plane) -> Plane {
+    /// Heights, turned, and a row of [`NOTHING`] below them: what is beyond the last row, and before the first.
+    pub(super) fn turned(self, height: &Plane) -> Plane {
         let turned = match self.is_transposed {
-            true => transposed(plane),
-            false => plane.clone(),
+            true => transposed(height),
+            false => height.clone(),
         };
-        self.mirrored(turned)
+        let (width, rows) = (turned.width(), turned.height());
+        let mut samples = self.mirrored(turned).into_samples();
+        samples.resize(width * (rows + 1), NOTHING);
+        Plane::from_samples(width, rows + 1, samples)
     }
 
     /// A turned plane as it was.
@@ -89,30 +92,28 @@ fn transposed<T: Copy + Default + Send + Sync>(plane: &Plane<T>) -> Plane<T> {
 
 /// Change of the height per row: the smaller of those to both sides, so that it is that of the pixel's own surface beside a
 /// step, and none where they differ in sign.
-pub(super) fn tilts(height: &Plane) -> Plane {
-    let mut tilts = Plane::filled(height.width(), height.height(), 0.0);
-    let is_there = |a: f32, b: f32| a > NOTHING && b > NOTHING;
-    tilts.each_row(|y, row| {
-        let own = height.row(y);
-        let beside = [y.saturating_sub(1), (y + 1).min(height.height() - 1)];
-        let [above, below] = beside.map(|y| height.row(y));
-        for (x, tilt) in row.iter_mut().enumerate() {
-            let (to, from) = (own[x] - above[x], below[x] - own[x]);
-            let has = [y > 0, y + 1 < height.height()];
-            let has = [
-                has[0] && is_there(own[x], above[x]),
-                has[1] && is_there(own[x], below[x]),
-            ];
-            *tilt = match has {
-                [true, true] if to * from <= 0.0 => 0.0,
-                [true, true] if to.abs() < from.abs() => to,
-                [true, false] => to,
-                [_, true] => from,
-                [false, false] => 0.0,
-            };
-        }
-    });
-    tilts
+#[inline(always)]
+fn tilt(above: f32, own: f32, below: f32) -> f32 {
+    let (to, from) = (own - above, below - own);
+    let has_above = above > NOTHING && own > NOTHING;
+    let has_below = below > NOTHING && own > NOTHING;
+    let least = if to.abs() < from.abs() { to } else { from };
+    let of_both = if to * from > 0.0 { least } else { 0.0 };
+    match (has_above, has_below) {
+        (true, true) => of_both,
+        (true, false) => to,
+        (false, true) => from,
+        (false, false) => 0.0,
+    }
+}
+
+/// Which pixels look at their horizon along a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Looks {
+    /// Both of a column, each by the lines on its two sides: the edge of a shadow is exact.
+    Both,
+    /// The nearer one, by this line alone: half the looks, for sums over several azimuths.
+    Nearer,
 }
 
 /// The way that light comes along.
@@ -143,53 +144,55 @@ impl Azimuth {
         }
     }
 
-    /// Sweeps a turned plane of heights, with its [`tilts`]. `seen` turns slopes per column, of a unit of which it gets the slope, into what is
-    /// added to `sum`; `lines` is overwritten.
+    /// Sweeps [turned](Way::turned) heights, and fills `lines`, of their size; `seen` turns slopes per column, of a unit of
+    /// which it gets the slope, into what they hold. [`Course::spread`] takes that to the pixels.
     pub(super) fn sweep(
         &self,
-        surface: [&Plane; 2],
-        [lines, sum]: [&mut Plane; 2],
+        height: &Plane,
+        looks: Looks,
+        lines: &mut Plane,
         seen: impl Fn(&mut [f32], f32) + Sync,
-    ) {
-        let (width, rows) = (surface[0].width(), surface[0].height());
-        if width * rows == 0 {
-            return;
+    ) -> Course {
+        let (width, rows) = (height.width(), height.height());
+        let course = Course::new(self.drift, width, rows, looks);
+        if width == 0 {
+            return course;
         }
-        let course = Course::new(self.drift, width, rows);
         let tasks = lines.samples_mut().par_chunks_mut(LINES * width);
         tasks.enumerate().for_each_init(
             || Sweep::new(width),
             |sweep, (task, lines)| {
                 let first = task * LINES;
-                if course.is_aslant() {
-                    sweep.go(&course, surface, (first + rows - 1) % rows);
+                if course.looks == Looks::Both {
+                    sweep.go::<true>(&course, height, (first + rows - 1) % rows);
                 }
                 for (i, line) in lines.chunks_mut(width).enumerate() {
-                    std::mem::swap(&mut sweep.below, &mut sweep.above);
-                    sweep.go(&course, surface, first + i);
-                    course.mix(line, sweep, first + i);
+                    match course.looks {
+                        Looks::Both => {
+                            std::mem::swap(&mut sweep.below, &mut sweep.above);
+                            sweep.go::<true>(&course, height, first + i);
+                            course.mix(line, sweep, first + i);
+                        }
+                        Looks::Nearer => {
+                            sweep.go::<false>(&course, height, first + i);
+                            line.copy_from_slice(&sweep.upper);
+                        }
+                    }
                     seen(line, self.per_column);
                 }
             },
         );
-        let swept = lines.samples();
-        sum.each_row(|y, row| {
-            for (x, (sum, down)) in row.iter_mut().zip(&course.down).enumerate() {
-                let line = if y >= *down {
-                    y - down
-                } else {
-                    y + rows - down
-                };
-                *sum += swept[line * width + x];
-            }
-        });
+        course
     }
 }
 
 /// The course that all lines take.
-struct Course {
-    /// By column: rows below that in which a line began, less than those of the picture.
+pub(super) struct Course {
+    looks: Looks,
+    /// By column: rows below that in which a line began, less than there are.
     down: Vec<usize>,
+    /// By column: the same of the pixel that looks along the line.
+    looking: Vec<usize>,
     /// By column: the share of the lower pixel.
     share: Vec<f32>,
     /// The columns in which lines have got to another row, and where between it and the one before they did.
@@ -199,14 +202,21 @@ struct Course {
 }
 
 impl Course {
-    fn new(drift: f64, width: usize, rows: usize) -> Self {
+    fn new(drift: f64, width: usize, rows: usize, looks: Looks) -> Self {
         let place = |x: usize| drift * x as f64;
         let whole = |x: usize| place(x).floor();
         let columns = || 0..width;
+        let down = |row: f64| (row as i64).rem_euclid(rows as i64) as usize;
+        // Lines through pixels have the upper ones alone.
+        let looks = if drift == 0.0 { Looks::Nearer } else { looks };
+        let looking = |x: usize| match looks {
+            Looks::Both => whole(x),
+            Looks::Nearer => (place(x) + 0.5).floor(),
+        };
         Self {
-            down: columns()
-                .map(|x| (whole(x) as i64).rem_euclid(rows as i64) as usize)
-                .collect(),
+            looks,
+            down: columns().map(|x| down(whole(x))).collect(),
+            looking: columns().map(|x| down(looking(x))).collect(),
             share: columns().map(|x| (place(x) - whole(x)) as f32).collect(),
             turns: (1..width)
                 .filter(|&x| whole(x) != whole(x - 1))
@@ -230,13 +240,6 @@ impl Course {
         }
     }
 
-    /// The columns in which a line is on the last row: nothing is below.
-    fn on_last_row(&self, line: usize) -> impl Iterator<Item = usize> + '_ {
-        let down = (2 * self.rows - 1 - line) % self.rows;
-        let columns = self.down.iter().enumerate();
-        columns.filter_map(move |(x, &own)| (own == down).then_some(x))
-    }
-
     /// The columns between which a line leaves the picture.
     fn stretches(&self, line: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let leaves = move |x: &usize| {
@@ -253,24 +256,35 @@ impl Course {
             .map(move |to| std::mem::replace(&mut from, to)..to)
     }
 
-    /// Whether lines pass between pixels.
-    fn is_aslant(&self) -> bool {
-        self.drift != 0.0
+    /// Takes what lines hold to the pixels that look along them.
+    pub(super) fn spread<T: Copy + Send>(
+        &self,
+        lines: &Plane,
+        pixels: &mut Plane<T>,
+        add: impl Fn(&mut T, f32) + Sync,
+    ) {
+        let (held, width) = (lines.samples(), lines.width());
+        pixels.each_row(|y, row| {
+            for (x, (pixel, &down)) in row.iter_mut().zip(&self.looking).enumerate() {
+                let line = if y >= down {
+                    y - down
+                } else {
+                    y + self.rows - down
+                };
+                add(pixel, held[line * width + x]);
+            }
+        });
     }
 
     /// What the upper pixels of a line see, by the line itself and by the one above it.
     fn mix(&self, mixed: &mut [f32], sweep: &Sweep, line: usize) {
-        if !self.is_aslant() {
-            mixed.copy_from_slice(&sweep.upper);
-            return;
-        }
         let (upper, lower, share) = (&sweep.upper, &sweep.above, &self.share);
         for (x, mixed) in mixed.iter_mut().enumerate() {
             let row = self.row(line, x);
             *mixed = match row {
-                // No line is above the first row, and none between the last and another.
+                // No surface is above the first row, and none below the last.
                 0 => upper[x],
-                _ if row + 1 == self.rows => lower[x],
+                _ if row + 2 == self.rows => lower[x],
                 _ => upper[x] + share[x] * (lower[x] - upper[x]),
             };
         }
@@ -279,14 +293,16 @@ impl Course {
 
 /// A line being swept.
 struct Sweep {
-    /// Heights and tilts of the pixels on the rows that the next line has for its upper ones, and which line that is.
-    next: [Vec<f32>; 2],
-    next_line: Option<usize>,
-    /// Heights of the upper and lower pixels, between them, and where a line has just passed through a row.
-    heights: [Vec<f32>; 4],
-    /// Heights at which the line passes the planes of the upper and the lower pixels: those they look from.
+    /// Heights of the pixels above the upper ones, of these, of the lower ones, and of those below; and of which line.
+    rows: [Vec<f32>; 4],
+    line: Option<usize>,
+    /// Heights between the upper and the lower pixels, and where a line has just passed through a row.
+    between: Vec<f32>,
+    crossed: Vec<f32>,
+    /// Heights at which the line passes the planes of the pixels that look along it: the upper or nearer ones, and the lower
+    /// ones.
     eyes: [Vec<f32>; 2],
-    /// Slopes to the horizons of the upper pixels, and of the lower ones; and of the lower ones of the line above.
+    /// Slopes to the horizons of the upper or nearer pixels, and of the lower ones; and of the lower ones of the line above.
     upper: Vec<f32>,
     below: Vec<f32>,
     above: Vec<f32>,
@@ -298,9 +314,10 @@ impl Sweep {
     fn new(width: usize) -> Self {
         let row = || vec![0.0; width];
         Self {
-            next: [row(), row()],
-            next_line: None,
-            heights: [row(), row(), row(), vec![NOTHING; width]],
+            rows: [row(), row(), row(), row()],
+            line: None,
+            between: row(),
+            crossed: vec![NOTHING; width],
             eyes: [row(), row()],
             upper: row(),
             below: row(),
@@ -309,38 +326,40 @@ impl Sweep {
         }
     }
 
-    /// Sweeps a line.
-    fn go(&mut self, course: &Course, [height, tilts]: [&Plane; 2], line: usize) {
-        let [upper, lower, between, crossed] = &mut self.heights;
-        let [next, next_tilts] = &mut self.next;
-        let [from_upper, from_lower] = &mut self.eyes;
-        let gather = |to: &mut [f32], plane: &Plane, line: usize| {
-            let (samples, width) = (plane.samples(), plane.width());
+    /// Takes up the heights around a line.
+    fn take_up(&mut self, course: &Course, height: &Plane, line: usize) {
+        let (samples, width, rows) = (height.samples(), height.width(), course.rows);
+        let gather = |to: &mut [f32], line: usize| {
             for (x, to) in to.iter_mut().enumerate() {
-                *to = samples[course.row(line, x) * width + x];
+                *to = samples[course.row(line % rows, x) * width + x];
             }
         };
-        if self.next_line != Some(line) {
-            gather(next, height, line);
-            gather(next_tilts, tilts, line);
+        if line == 0 || self.line != Some(line - 1) {
+            for (i, row) in self.rows.iter_mut().skip(1).enumerate() {
+                gather(row, line + rows - 1 + i);
+            }
         }
-        upper.copy_from_slice(next);
+        self.rows.rotate_left(1);
+        gather(&mut self.rows[3], line + 2);
+        self.line = Some(line);
+    }
+
+    /// Sweeps a line, looking from both pixels of a column or from the nearer one.
+    fn go<const BOTH: bool>(&mut self, course: &Course, height: &Plane, line: usize) {
+        self.take_up(course, height, line);
+        let rows = self.rows.each_ref().map(|row| &row[..]);
+        let (between, crossed) = (&mut self.between, &mut self.crossed);
+        let [eyes, lower_eyes] = &mut self.eyes;
         let share = &course.share[..];
-        wide!(pass_planes(from_upper, [upper, next_tilts, share], 0.0));
-        gather(next, height, line + 1);
-        gather(next_tilts, tilts, line + 1);
-        self.next_line = Some(line + 1);
-        lower.copy_from_slice(next);
-        wide!(pass_planes(from_lower, [lower, next_tilts, share], 1.0));
-        for x in course.on_last_row(line) {
-            (lower[x], from_lower[x]) = (NOTHING, NOTHING);
+        if BOTH {
+            wide!(pass_planes(eyes, rows, share, |_| false));
+            wide!(pass_planes(lower_eyes, rows, share, |_| true));
+            wide!(between_rows(between, rows, [eyes, lower_eyes], share));
+        } else {
+            wide!(pass_planes(eyes, rows, share, |share| share >= 0.5));
+            wide!(between_rows(between, rows, [eyes, eyes], share));
         }
-        wide!(between_rows(
-            between,
-            [&*upper, &*lower],
-            [&*from_upper, &*from_lower],
-            &course.share
-        ));
+        let [_, upper, lower, _] = rows;
         for &(x, share) in &course.turns {
             let ends = match course.drift > 0.0 {
                 true => [lower[x - 1], upper[x]],
@@ -352,35 +371,35 @@ impl Sweep {
                 false => NOTHING,
             };
         }
-        let pass = match course.is_aslant() {
-            true => pass::<true>,
-            false => pass::<false>,
-        };
         // A line that has left the picture is another one.
         for columns in course.stretches(line) {
-            let heights = [&from_upper[..], &from_lower[..], &between[..], &crossed[..]];
+            let heights = [&eyes[..], &lower_eyes[..], &between[..], &crossed[..]];
             let slopes = [&mut self.upper[..], &mut self.below[..]];
-            pass(&mut self.hull, course, columns, heights, slopes);
+            pass::<BOTH>(&mut self.hull, course, columns, heights, slopes);
         }
     }
 }
 
-/// Heights at which a line passes the planes of pixels, `rows` below it, from their heights, tilts and its share.
+/// Heights at which a line passes the planes of the upper pixels, or of the lower ones where its share says so.
 #[inline(always)]
-fn pass_planes(eyes: &mut [f32], [heights, tilts, share]: [&[f32]; 3], rows: f32) {
+fn pass_planes(eyes: &mut [f32], rows: [&[f32]; 4], share: &[f32], is_lower: impl Fn(f32) -> bool) {
     let n = eyes.len();
-    let (heights, tilts, share) = (&heights[..n], &tilts[..n], &share[..n]);
+    let ([a, b, c, d], share) = (rows.map(|row| &row[..n]), &share[..n]);
     for x in 0..n {
-        eyes[x] = heights[x] + (share[x] - rows) * tilts[x];
+        let w = share[x];
+        eyes[x] = match is_lower(w) {
+            true => c[x] + (w - 1.0) * tilt(b[x], c[x], d[x]),
+            false => b[x] + w * tilt(a[x], b[x], c[x]),
+        };
     }
 }
 
 /// Heights between two rows. Beside [`NOTHING`] a pixel's own plane reaches half way.
 #[inline(always)]
-fn between_rows(between: &mut [f32], pixels: [&[f32]; 2], planes: [&[f32]; 2], share: &[f32]) {
+fn between_rows(between: &mut [f32], rows: [&[f32]; 4], eyes: [&[f32]; 2], share: &[f32]) {
     let n = between.len();
-    let ([upper, lower], share) = (pixels.map(|row| &row[..n]), &share[..n]);
-    let [of_upper, of_lower] = planes.map(|row| &row[..n]);
+    let ([_, upper, lower, _], share) = (rows.map(|row| &row[..n]), &share[..n]);
+    let [of_upper, of_lower] = eyes.map(|row| &row[..n]);
     for x in 0..n {
         let (a, b, w) = (upper[x], lower[x], share[x]);
         let [nearest, plane] = if w < 0.5 {
@@ -394,68 +413,75 @@ fn between_rows(between: &mut [f32], pixels: [&[f32]; 2], planes: [&[f32]; 2], s
     }
 }
 
-/// Sweeps through these columns: slopes to the horizons of the upper and the lower pixels, unless lines pass through the upper
-/// ones.
-fn pass<const IS_ASLANT: bool>(
+/// Sweeps through these columns: slopes to the horizons of the upper pixels, or the nearer ones, and of the lower pixels.
+fn pass<const BOTH: bool>(
     hull: &mut [[f32; 2]],
     course: &Course,
     columns: Range<usize>,
     [upper, lower, between, crossed]: [&[f32]; 4],
     [of_upper, of_lower]: [&mut [f32]; 2],
 ) {
+    let mut passed = Passed { hull, count: 0 };
     let first = columns.start;
-    let (mut count, mut turn) = (0, course.turns.partition_point(|(x, _)| *x <= first));
+    let mut turn = course.turns.partition_point(|(x, _)| *x <= first);
     for x in columns {
         let at = x as f32;
-        if IS_ASLANT
-            && let Some((next, share)) = course.turns.get(turn)
+        if let Some((next, share)) = course.turns.get(turn)
             && *next == x
         {
             turn += 1;
             if crossed[x] > NOTHING {
-                count = pushed(hull, count, [at - 1.0 + share, crossed[x]]);
+                passed.add([at - 1.0 + share, crossed[x]]);
             }
         }
-        let passed = &hull[..count];
-        of_upper[x] = slope(passed, at, upper[x]);
-        if IS_ASLANT {
-            of_lower[x] = slope(passed, at, lower[x]);
+        of_upper[x] = passed.slope([at, upper[x]]);
+        if BOTH {
+            of_lower[x] = passed.slope([at, lower[x]]);
         }
         if between[x] > NOTHING {
-            count = pushed(hull, count, [at, between[x]]);
+            passed.add([at, between[x]]);
         }
     }
 }
 
-/// The steepest slope up to a point of a hull, back from a place beyond it.
-#[inline(always)]
-fn slope(hull: &[[f32; 2]], at: f32, height: f32) -> f32 {
-    let Some((&[x, h], rest)) = hull.split_last() else {
-        return NO_HORIZON;
-    };
-    let (mut run, mut rise) = (at - x, h - height);
-    for &[x, h] in rest.iter().rev() {
-        let (farther, higher) = (at - x, h - height);
-        // The hull is convex: slopes rise up to the horizon, and fall from there on.
-        if higher * run <= rise * farther {
-            break;
-        }
-        (run, rise) = (farther, higher);
-    }
-    rise / run
+/// The points that a line has passed.
+struct Passed<'a> {
+    /// The first `count` are their upper hull.
+    hull: &'a mut [[f32; 2]],
+    count: usize,
 }
 
-/// Adds a point beyond all others of a hull of `count` points; returns how many are left.
-#[inline(always)]
-fn pushed(hull: &mut [[f32; 2]], mut count: usize, point: [f32; 2]) -> usize {
-    while let [.., a, b] = &hull[..count] {
-        let [near, far] = [b, a].map(|[x, h]| [point[0] - x, h - point[1]]);
-        // A point on or below the line between its neighbours is no horizon.
-        if near[1] * far[0] > far[1] * near[0] {
-            break;
+impl Passed<'_> {
+    /// The steepest slope up to one of the points, from a place beyond them.
+    #[inline(always)]
+    fn slope(&self, [at, height]: [f32; 2]) -> f32 {
+        let Some((&[x, h], rest)) = self.hull[..self.count].split_last() else {
+            return NO_HORIZON;
+        };
+        let (mut run, mut rise) = (at - x, h - height);
+        for &[x, h] in rest.iter().rev() {
+            let (farther, higher) = (at - x, h - height);
+            // The hull is convex: slopes rise up to the horizon, and fall from there on.
+            if higher * run <= rise * farther {
+                break;
+            }
+            (run, rise) = (farther, higher);
         }
-        count -= 1;
+        rise / run
     }
-    hull[count] = point;
-    count + 1
+
+    /// Adds a point beyond all others.
+    #[inline(always)]
+    fn add(&mut self, point: [f32; 2]) {
+        while let [.., a, b] = &self.hull[..self.count] {
+            let [near, far] = [b, a].map(|[x, h]| [point[0] - x, h - point[1]]);
+            // A point on or below the line between its neighbours is no horizon.
+            if near[1] * far[0] > far[1] * near[0] {
+                break;
+            }
+            self.count -= 1;
+        }
+        self.hull[self.count] = point;
+        self.count += 1;
+    }
 }

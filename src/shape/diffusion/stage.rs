@@ -10,6 +10,7 @@ use crate::product::Product;
 use crate::shape::diffusion::cpu::Diffused;
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::medium::Medium;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::diffusion::{REACH, cpu};
 use crate::shape::edges::stage::{EDGES, UNDIFFUSED};
 
@@ -102,6 +103,31 @@ fn diffuse(run: &mut Execution) {
     };
     run.more_gradients = gradients.split_off(1);
     run.outcome.shape.gradient = gradients.pop();
+}
+
+/// Two planes spread by the conductance of the frame, at every scale of the sweeps.
+pub(crate) fn spread(
+    run: &mut Execution,
+    name: &'static str,
+    planes: Vector2Planes,
+    sweeps: &DiffusionSchedule,
+) -> Vec<Vector2Planes> {
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
+    let options = &run.runner.options;
+    let conductance = run.outcome.shape.conductance.take();
+    let conductance = conductance.expect("what spreads takes conductance");
+    let spread = run.timed(name, || {
+        let medium = Medium::of_whole(&conductance, &frame.mask);
+        let Some(tile) = plan.tile else {
+            return cpu::diffusion(planes, medium, sweeps, options, memory);
+        };
+        let memory = &memory.at_other_size();
+        in_tile(planes, medium, tile, frame.data_window, |planes, medium| {
+            cpu::diffusion(planes, medium, sweeps, options, memory)
+        })
+    });
+    run.outcome.shape.conductance = Some(conductance);
+    spread.scales
 }
 
 /// Diffusion in a frame, of the window `whole`, that repeats a tile: in the tile alone, with its borders joined.

@@ -2,7 +2,7 @@
 
 use super::{Asked, covered, lights, sky, surroundings, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
-use relievo::frame::{ColorPlanes, Frame, Plane};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::light::environment::Environment;
 use relievo::light::light_samples::light_disc;
 use relievo::light::lights::{Illumination, direction_of};
@@ -364,4 +364,41 @@ fn corners_get_less_light_from_all_around_however_it_is_summed() {
     }
     let asked = Asked::of(Material::Lambert, Method::Plain);
     assert_eq!(asked.color(&dim).r, asked.color(&frame).r);
+}
+
+#[test]
+fn the_grain_of_an_occlusion_layer_stays_out_of_the_light() {
+    // Two walls that meet in an edge: 4 and 8 tenths of ambient light 1 arrive, and grain of a deviation of .06.
+    let (width, height) = (120, 80);
+    let share = |x: usize| if x < width / 2 { 0.4 } else { 0.8 };
+    let mut state = 1_u32;
+    let occlusion = Plane::from_fn(width, height, |x, _| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // Evenly between -1 and 1, of a deviation of 1 / sqrt(3).
+        let stray = (state >> 8) as f32 / (1 << 23) as f32 - 1.0;
+        share(x) + 0.06 * 3.0_f32.sqrt() * stray
+    });
+    let side = |x: usize| if x < width / 2 { -0.6 } else { 0.6 };
+    let normal = Vector3Planes::from_fn(width, height, |x, _| DVec3::new(side(x), 0.0, 0.8));
+    let mut frame = Frame::of_normals(normal, Mask::full(width, height));
+    frame.light.occlusion = Some(occlusion);
+    let mut asked = Asked::of(Material::Lambert, Method::Plain);
+    asked.relight.material.ambient = 1.0;
+    asked.light = lights(&[]);
+    let color = asked.color(&frame).r;
+    let off = |x: usize, y: usize| f64::from(color.at(x, y) - share(x));
+    let all = || (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let mean = |at: &dyn Fn(usize) -> bool| {
+        let squares: Vec<f64> = all()
+            .filter(|[x, _]| at(*x))
+            .map(|[x, y]| off(x, y).powi(2))
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    // A Gaussian of sigma 3 leaves 1 / (2 sqrt(pi) 3) = .094 of white noise: .0056. At the edge half of the pixels are
+    // missing, so 1.5 of that; a share from beyond it would be some tenths.
+    let inside = mean(&|x: usize| x.abs_diff(width / 2) > 10 && (10..width - 10).contains(&x));
+    let beside = mean(&|x: usize| x == width / 2 - 1 || x == width / 2);
+    assert!((0.004..0.0075).contains(&inside), "{inside}");
+    assert!(beside < 0.012, "{beside}");
 }
