@@ -243,7 +243,8 @@ impl Course {
     /// The columns between which a line leaves the picture.
     fn stretches(&self, line: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let leaves = move |x: &usize| {
-            let [from, to] = [x - 1, *x].map(|x| self.row(line, x));
+            // Between the last row and the one beyond it.
+            let [from, to] = [x - 1, *x].map(|x| (self.row(line, x) + 1) % self.rows);
             if self.drift > 0.0 {
                 to <= from
             } else {
