@@ -7,7 +7,7 @@ use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
-use relievo::params::{ScalingParams, ShapeParams};
+use relievo::params::{Params, ScalingParams, ShapeParams};
 use std::path::PathBuf;
 
 /// Linear grey behind the pictures: on white a pale stone loses its edge.
@@ -36,8 +36,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let before = frame.color.clone().ok_or("the input has no picture")?;
-    let after = made(&Request::enhance(shape, scaling))?;
-    let curvature = linear(&made(&Request::display(shape, scaling))?);
+    let after = made(&Request::enhance(Params::of(shape, scaling)))?;
+    let curvature = linear(&made(&Request::display(Params::of(shape, scaling)))?);
     let strip = beside(&[
         over_backdrop(&before, &frame),
         over_backdrop(&after, &frame),

@@ -7,7 +7,7 @@
 use ndarray::Array3;
 use relievo::engine::{CancelToken, Engine, Progress, Request, Run};
 use relievo::frame::{Frame, Normals};
-use relievo::params::{ScalingParams, ShapeParams};
+use relievo::params::Params;
 use relievo::product::Product;
 
 const SIZE: usize = 512;
@@ -24,7 +24,7 @@ fn main() -> relievo::Result<()> {
     let tell = |at: Progress| println!("{:3.0} % {}", 100.0 * at.done, at.stage);
     let run = Run::new().progress(&tell).cancel(&token);
     let run = run.output(Product::Picture, picture.view_mut());
-    let request = Request::enhance(ShapeParams::default(), ScalingParams::default());
+    let request = Request::enhance(Params::default());
     Engine::auto().run(&request, &frame, &run)?;
     drop(run);
     println!("changed by up to {:.2}", largest(&(picture - before)));

@@ -9,7 +9,7 @@ use relievo::io::inputs::{Inputs, LightInputs};
 use relievo::io::picture::{Picture, ViewTransform, pixels};
 use relievo::io::{self, Needs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{RelightParams, Scale, ScalingParams, ShapeParams};
+use relievo::params::{Params, RelightParams, Scale, ScalingParams, ShapeParams};
 use std::time::Instant;
 
 /// Number of changes of each kind.
@@ -42,7 +42,13 @@ fn main() -> relievo::Result<()> {
 
     timed(&mut live, "a light", |live, i| {
         let light = lit_from(90.0 + i as f32);
-        let request = Request::relight(shape, scaling, RelightParams::default(), &light);
+        let request = Request::relight(
+            Params {
+                relight: RelightParams::default(),
+                ..Params::of(shape, scaling)
+            },
+            &light,
+        );
         live.run(&request, &Run::new())?;
         Ok(())
     })?;
@@ -50,7 +56,13 @@ fn main() -> relievo::Result<()> {
         let light = lit_from(90.0);
         let scale = Scale::Iterations(10 + i);
         let shape = ShapeParams { scale, ..shape };
-        let request = Request::relight(shape, scaling, RelightParams::default(), &light);
+        let request = Request::relight(
+            Params {
+                relight: RelightParams::default(),
+                ..Params::of(shape, scaling)
+            },
+            &light,
+        );
         live.run(&request, &Run::new())?;
         Ok(())
     })?;
@@ -60,7 +72,7 @@ fn main() -> relievo::Result<()> {
                 scaling: 0.5 + 0.05 * i as f32,
                 ..scaling
             };
-            live.run(&Request::enhance(shape, scaling), &Run::new())?;
+            live.run(&Request::enhance(Params::of(shape, scaling)), &Run::new())?;
             Ok(())
         })?;
     }

@@ -11,10 +11,10 @@ use relievo::io::{self, Needs, SpecularInputs, load_specular};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
 use relievo::params::{
-    Bend, LineParams, Material, RelightParams, ScalingParams, SearchParams, ShapeParams,
+    Bend, LineParams, Material, Params, RelightParams, ScalingParams, SearchParams, ShapeParams,
     SpecularParams, StrokeDirections, StrokeScale,
 };
-use relievo::plan::Tone;
+use relievo::plan::{Goal, Tone};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -67,7 +67,14 @@ fn relit(frame: &Frame, scene: &SpecularScene) -> relievo::Result<ColorPlanes> {
     params.material.material = Material::Mirror;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let light = Illumination::default();
-    let request = Request::relight(shape, scaling, params, &light).specular(scene, traced());
+    let request = Request::relight(
+        Params {
+            relight: params,
+            ..Params::of(shape, scaling)
+        },
+        &light,
+    )
+    .specular(scene, traced());
     let outcome = Engine::cpu().run(&request, frame, &Run::new())?;
     Ok(outcome.color.expect("light makes a picture"))
 }
@@ -80,7 +87,10 @@ fn drawn(frame: &Frame, scene: Option<&SpecularScene>) -> relievo::Result<ColorP
     };
     line.strokes.scale = StrokeScale::Factor(0.5);
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let mut request = Request::hatch(shape, scaling, Tone::Enhanced, line);
+    let mut request = Request::new(
+        Goal::Hatch(Tone::Enhanced, line),
+        Params::of(shape, scaling),
+    );
     if let Some(scene) = scene {
         request = request.specular(scene, traced());
     }

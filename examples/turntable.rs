@@ -6,7 +6,7 @@ mod common;
 
 use relievo::engine::{Engine, Request, Run, Session};
 use relievo::frame::Frame;
-use relievo::params::{Method, RelightParams, ScalingParams, ShapeParams};
+use relievo::params::{Method, Params, RelightParams, ScalingParams, ShapeParams};
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
@@ -54,7 +54,13 @@ fn write_turns(w: impl Write, frame: &Frame, count: u16) -> Result<(), Box<dyn E
     for turn in 0..count {
         let azimuth = 360.0 * f32::from(turn) / f32::from(count);
         let light = common::light_from(azimuth, ELEVATION);
-        let request = Request::relight(shape, scaling, params, &light);
+        let request = Request::relight(
+            Params {
+                relight: params,
+                ..Params::of(shape, scaling)
+            },
+            &light,
+        );
         let outcome = session.run(&request, &Run::new())?;
         let color = outcome.color.as_ref().expect("light makes a picture");
         writer.write_image_data(&common::codes(&common::over_backdrop(color, frame)))?;

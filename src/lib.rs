@@ -2,7 +2,8 @@
 //!
 //! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, if available, depth, a mask, a camera
 //! and the picture. [`Frame::builder`](frame::Frame::builder) makes one from samples in memory, [`io::load`] from a
-//! renderer's layers or from a photo with its normal map. A [`engine::Request`] names the result wanted, an
+//! renderer's layers or from a photo with its normal map. A [`engine::Request`] names the result wanted, with the
+//! [`params::Params`] of the command line; an
 //! [`engine::Engine`] computes it on the CPU or a GPU, and an [`engine::Session`] repeats it on one frame as parameters
 //! change. A [`plan::Plan`] lists the stages that a request needs, and why.
 //!
@@ -11,7 +12,7 @@
 //! ```
 //! use relievo::engine::{Engine, Request, Run};
 //! use relievo::frame::{Frame, Normals};
-//! use relievo::params::{ScalingParams, ShapeParams};
+//! use relievo::params::Params;
 //!
 //! # fn main() -> relievo::Result<()> {
 //! let (width, height) = (64, 64);
@@ -26,13 +27,15 @@
 //!     }
 //! }
 //!
+//! # std::env::set_current_dir(std::env::temp_dir()).unwrap();
 //! let frame = Frame::builder(width, height)
 //!     .normals(Normals::view(&normals))
 //!     .color(&rgb)
 //!     .build()?;
-//! let request = Request::enhance(ShapeParams::default(), ScalingParams::default());
+//! let request = Request::enhance(Params::default());
 //! let outcome = Engine::auto().run(&request, &frame, &Run::new())?;
 //! let picture = outcome.picture().expect("enhancing gives a picture");
+//! outcome.save("enhanced.png", &frame)?; // or .exr; of a drawing also .svg
 //!
 //! let red = picture.r.view(); // an ndarray view, [row, column]
 //! assert!(red[[32, 32]] > rgb[3 * (32 * width + 32)]); // convex: brighter

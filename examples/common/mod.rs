@@ -10,7 +10,7 @@ use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{RelightParams, ScalingParams, ShapeParams};
+use relievo::params::{Params, RelightParams, ScalingParams, ShapeParams};
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -63,7 +63,13 @@ pub(crate) fn relit(
     relight: RelightParams,
     scaling: ScalingParams,
 ) -> relievo::Result<ColorPlanes> {
-    let request = Request::relight(ShapeParams::default(), scaling, relight, light);
+    let request = Request::relight(
+        Params {
+            relight,
+            ..Params::of(ShapeParams::default(), scaling)
+        },
+        light,
+    );
     let outcome = Engine::cpu().run(&request, frame, &Run::new())?;
     let color = outcome.color.expect("light makes a picture");
     Ok(over_backdrop(&color, frame))

@@ -10,7 +10,6 @@ use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::invocation::Task;
-use crate::command::output::Kind;
 use crate::command::recipe::RecipeText;
 use crate::engine::cpu::row_layers::{LaidRows, RowLayers};
 use crate::engine::outcome::{Outcome, Shape};
@@ -20,6 +19,8 @@ use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
+use crate::io::output::OutputKind;
+use crate::io::output::picture::{Displayed, MadePicture};
 use crate::io::output::{write_atomically, write_text};
 use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_picture_as};
 use crate::io::svg;
@@ -27,7 +28,6 @@ use crate::io::{Holding, InputFiles, Loaded, Needs};
 use crate::plan::{Decision, Plan};
 use crate::untrusted::shown;
 use crate::work::Work;
-use crate::work::picture::{Displayed, MadePicture};
 use crate::work::shape::held_gain;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -286,7 +286,8 @@ impl<'a> Job<'a> {
     pub(super) fn write_picture(&self, done: &Done, made: MadePicture) -> Result<Chosen> {
         let loaded = &done.loaded;
         let mask = &loaded.frame.mask;
-        let exposure = made.exposure(self.args(), mask);
+        let params = &self.args().flags.params;
+        let exposure = made.exposure(&params.display, mask);
         let chosen = done.chosen().exposed(exposure);
         if let Some(cell) = self.cell() {
             let form = CellForm::Picture {
@@ -314,8 +315,8 @@ impl<'a> Job<'a> {
     ) -> Displayed<'p> {
         let (frame, primaries) = (&loaded.frame, loaded.chromaticities);
         let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
-        let args = self.args();
-        args.displayed(frame, primaries, made, bits, exposure)
+        let params = &self.args().flags.params;
+        params.displayed(frame, primaries, made, bits, exposure)
     }
 
     fn write_picture_to(
@@ -327,7 +328,7 @@ impl<'a> Job<'a> {
     ) -> Result<()> {
         self.check_picture(&done.loaded.frame, picture)?;
         let ReadyOutput { path, replace } = output;
-        let Kind::Picture(format) = Kind::of(path)? else {
+        let OutputKind::Picture(format) = OutputKind::of(path)? else {
             unreachable!("layers go to an EXR")
         };
         let encoding =
@@ -482,7 +483,7 @@ impl<'a> Job<'a> {
     /// How much of a picture for a display is white, and of the one before; nothing of one that holds linear numbers.
     pub(super) fn whites(&self, shown: &Displayed, mask: &Mask, rows: Range<usize>) -> Whites {
         let kind = self.args().output.kind();
-        let is_linear = matches!(kind, Ok(Kind::Picture(PictureFormat::Hdr)));
+        let is_linear = matches!(kind, Ok(OutputKind::Picture(PictureFormat::Hdr)));
         let picture = shown.picture();
         match shown.is_light() && !is_linear && picture.transform == ViewTransform::Srgb {
             true => Whites {

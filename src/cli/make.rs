@@ -7,13 +7,13 @@ use super::strip_memory::{goes_in_strips, refuse_large_surroundings};
 use super::strips;
 use crate::command::chosen::{Chosen, look_at_depth};
 use crate::command::map::MapArgs;
-use crate::command::output::Kind;
 use crate::engine::run::ENLARGE;
 use crate::engine::{Inputs, Progress, Run};
 use crate::error::Result;
 use crate::frame::{Frame, Plane, SpecularScene};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::output::OutputKind;
 use crate::work::map::MapSamples;
 use crate::work::source::Source;
 use crate::work::{Made, Seen, is_svg, shape};
@@ -77,7 +77,7 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
             let layers = job.execute_for_rows(&kit.engine, plan, &mut loaded.frame)?;
             job.release_spare_memory(&kit.engine);
             let chosen = job.write_layers(&loaded, &layers, read, |rows| {
-                shape::descriptor_channels(job.args(), &rows.frame, &rows.outcome)
+                shape::channels(job.args(), &rows.frame, &rows.outcome)
             })?;
             kit.engine.recycle(layers.outcome);
             return Ok(chosen);
@@ -103,7 +103,8 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
         made.outcome.timings.insert(0, (ENLARGE, enlarging));
     }
     job.keep_picture_alone(&kit.engine, &mut made.outcome);
-    work.mix(&loaded.frame, times, &mut made.outcome);
+    let params = &job.args().flags.params;
+    made.outcome.mix(&loaded.frame, times, params);
     let Made {
         outcome,
         maps,
@@ -133,7 +134,7 @@ fn enlarge(
     run: &Run,
 ) -> Result<()> {
     let (work, args) = (job.work(), job.args());
-    let is_layers = !is_svg(args) && args.output.kind()? == Kind::Exr;
+    let is_layers = !is_svg(args) && args.output.kind()? == OutputKind::Exr;
     let refused = if job.part.is_some() {
         Some((
             "makes cells larger than those of the sheet",
@@ -166,7 +167,7 @@ fn write(job: &Job, done: &Done) -> Result<Chosen> {
     }
     let picture = work.picture(frame, outcome).expect("a picture was made");
     match job.args().output.kind()? {
-        Kind::Picture(_) => job.write_picture(done, picture),
+        OutputKind::Picture(_) => job.write_picture(done, picture),
         _ => job.write_channels(done, work.channels(&done.loaded, outcome, Some(&picture))),
     }
 }
@@ -176,7 +177,7 @@ fn write_maps(args: &MapArgs, job: &Job, done: &Done, samples: &MapSamples) -> R
     let (output, frame) = (&job.args().output, &done.loaded.frame);
     let kind = output.kind()?;
     let mut maps = args.made(samples, frame);
-    if kind == Kind::Exr && !output.is_per_map() {
+    if kind == OutputKind::Exr && !output.is_per_map() {
         let all = maps.try_fold(Vec::new(), |mut all, map| {
             all.extend(map?.named());
             Ok(all)
@@ -186,7 +187,7 @@ fn write_maps(args: &MapArgs, job: &Job, done: &Done, samples: &MapSamples) -> R
     let mut chosen = Chosen::default();
     for map in maps {
         let map = map?;
-        let is_picture = matches!(kind, Kind::Picture(_));
+        let is_picture = matches!(kind, OutputKind::Picture(_));
         let note = map.in_words(&frame.mask, is_picture);
         note.iter().for_each(|note| job.note(note));
         let job = job.writing(&map.part.name);

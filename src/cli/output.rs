@@ -1,14 +1,14 @@
 //! From planes to the output file.
 
 use crate::command::args::{LayersArg, OutputArgs, WorkArgs};
-use crate::command::layer_names::names_of;
-use crate::command::output::{Kind, MOST_PLANES};
+use crate::command::output::MOST_PLANES;
 use crate::error::{Error, Result, bad};
 use crate::frame::{Plane, Window};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, PartDescription, PartWriter, X_DENSITY};
 use crate::io::likest;
-use crate::io::output::{Replace, write_atomically};
+use crate::io::output::OutputKind;
+use crate::io::output::{Replace, names_of, software, write_atomically};
 use crate::io::picture::{Array, ArrayFormat, Encoding};
 use crate::params::{Params, PixelSize};
 use crate::product::PART;
@@ -41,7 +41,11 @@ pub(super) fn attributes(
     recipe: String,
 ) -> Vec<(String, String)> {
     let of_pixels = |size: PixelSize| size.dpi() * loaded.enlarged as f32;
-    let printed = work.dpi(&loaded.frame).map(|[across, _]| across);
+    let printed = work
+        .flags
+        .params
+        .dpi(loaded.frame.pixel_aspect)
+        .map(|[across, _]| across);
     let density = printed.or(work.flags.params.pixel_size.map(of_pixels));
     let density = density.map(|density| (X_DENSITY.into(), density.to_string()));
     [
@@ -182,7 +186,7 @@ impl OutputArgs {
         part: &PartDescription,
         each: impl FnOnce(&mut NextRows) -> Result<()>,
     ) -> Result<Vec<String>> {
-        if let Kind::Numbers(format) = self.kind()? {
+        if let OutputKind::Numbers(format) = self.kind()? {
             write_numbers(output, format, part, each)?;
             return Ok(Vec::new());
         }
@@ -271,9 +275,4 @@ fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {
             None => "give their names, or those of their layers".into(),
         },
     )
-}
-
-/// The software named in written files.
-fn software() -> String {
-    format!("relievo {}", env!("CARGO_PKG_VERSION"))
 }

@@ -3,11 +3,12 @@
 use super::job::Job;
 use crate::command::args::BackendArg;
 use crate::command::memory::MaxMemory;
-use crate::command::output::{Kind, MOST_PLANES};
+use crate::command::output::MOST_PLANES;
 use crate::engine::tiles::Strips;
 use crate::error::{Error, Result, bad};
 use crate::io::exr::encoding_bytes;
 use crate::io::inputs::Wrap;
+use crate::io::output::OutputKind;
 use crate::io::picture::Gathered;
 use crate::io::{decoding_bytes, picture_size, program_bytes, surroundings_bytes};
 use std::path::Path;
@@ -37,9 +38,9 @@ pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
             .refuse_too_large(&job.args().input)
             .map(|()| false);
     }
-    if job.args().roles.wrap != Wrap::None {
+    if job.args().roles.named.wrap != Wrap::None {
         let input = &job.args().input;
-        let is_exr = matches!(job.args().output.kind(), Ok(Kind::Exr));
+        let is_exr = matches!(job.args().output.kind(), Ok(OutputKind::Exr));
         let size = picture_size(input).filter(|_| is_exr);
         let layers = size.map_or(0, |size| size.pixels.saturating_mul(TILE_LAYERS_PER_PIXEL));
         let why = "joins the borders of the picture whole";
@@ -91,7 +92,7 @@ pub(super) fn whole_bytes(job: &Job) -> u64 {
 fn allowed(job: &Job) -> u64 {
     let run = &job.args().run;
     let bytes = run.max_memory.bytes();
-    let is_photo = !matches!(Kind::of(&job.args().input), Ok(Kind::Exr));
+    let is_photo = !matches!(OutputKind::of(&job.args().input), Ok(OutputKind::Exr));
     match run.max_memory {
         MaxMemory::Auto if is_photo && run.compute.backend != BackendArg::Gpu => {
             bytes.min(PHOTO_BYTES)
@@ -104,7 +105,9 @@ fn allowed(job: &Job) -> u64 {
 fn array_bytes(job: &Job) -> u64 {
     let pixels = || picture_size(&job.args().input).map_or(0, |size| size.pixels);
     match job.args().output.kind() {
-        Ok(Kind::Numbers(_)) => pixels().saturating_mul((MOST_PLANES * size_of::<f32>()) as u64),
+        Ok(OutputKind::Numbers(_)) => {
+            pixels().saturating_mul((MOST_PLANES * size_of::<f32>()) as u64)
+        }
         _ => 0,
     }
 }
@@ -140,7 +143,7 @@ impl Cost {
             fixed: program_bytes() + samples + array_bytes(job) + photo_bytes.max(encoding),
             row,
             decoding: decoding_bytes(&job.args().input),
-            is_exr: output.is_some_and(|path| matches!(Kind::of(path), Ok(Kind::Exr))),
+            is_exr: output.is_some_and(|path| matches!(OutputKind::of(path), Ok(OutputKind::Exr))),
             height,
         }
     }

@@ -7,7 +7,6 @@ use super::progress::strips_bar;
 use super::strip_memory::{Cost, FEWEST_ROWS, strips_of, whole_bytes};
 use super::timings::Timings;
 use crate::command::chosen::Chosen;
-use crate::command::output::Kind;
 use crate::engine;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::outcome::Outcome;
@@ -15,11 +14,12 @@ use crate::engine::tiles::Strips;
 use crate::error::Result;
 use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::inputs::Inputs;
+use crate::io::output::OutputKind;
+use crate::io::output::picture::MadePicture;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Whites};
 use crate::io::{Holding, InputFiles, Loaded, Needs, program_bytes};
 use crate::plan::Plan;
-use crate::work::picture::MadePicture;
 use crate::work::source::Source;
 use crate::work::{Seen, Work};
 use indicatif::ProgressBar;
@@ -171,7 +171,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
 
 /// Stops that suit new light, of which `sample` is a part, where they are left open: all strips are lit for them.
 fn exposure(source: &StripSource, job: &Job, sample: &MadePicture) -> Result<Option<f32>> {
-    if !sample.leaves_exposure(job.args()) {
+    if !sample.leaves_exposure(&job.args().flags.params.display) {
         return Ok(None);
     }
     let mut brightness = Brightness::default();
@@ -202,7 +202,7 @@ fn plan(work: &dyn Work, kit: &Kit, strip: &Loaded, found: &StripChoice) -> Resu
 fn run(work: &dyn Work, kit: &Kit, plan: &Plan, strip: &Frame) -> Result<Outcome> {
     let runner = kit.engine.cpu_runner();
     let mut outcome = runner.execute(plan, strip, engine::Inputs::lit_by(&kit.light))?;
-    work.mix(strip, 1.0, &mut outcome);
+    outcome.mix(strip, 1.0, &work.args().flags.params);
     Ok(outcome)
 }
 
@@ -232,7 +232,7 @@ fn gathered(
     whole: Window,
 ) -> Result<Option<Gathered>> {
     let output = &job.args().output;
-    let (Kind::Picture(format), Some(_)) = (output.kind()?, &output.output) else {
+    let (OutputKind::Picture(format), Some(_)) = (output.kind()?, &output.output) else {
         return Ok(None);
     };
     let outcome = run(job.work(), kit, plan, &sample.frame)?;

@@ -1,6 +1,6 @@
 //! Arguments that commands on frames share: outputs and run options.
 
-use super::flags::{Flags, Section, one_of};
+use super::flags::{Flags, Section};
 use super::memory::MaxMemory;
 use super::named::Named;
 use super::role_args::RoleArgs;
@@ -9,10 +9,11 @@ use crate::engine::Engine;
 use crate::error::{Error, Result, bad};
 use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::inputs::{Inputs, Wrap};
-use crate::io::picture::ViewTransform;
+use crate::io::output::full_name;
 use crate::io::sequence::path_of_frame;
 use crate::io::{frame_bytes, program_bytes};
 use crate::params::Group;
+use crate::params::words::one_of;
 use crate::untrusted::shown;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -82,7 +83,7 @@ impl WorkArgs {
 
     /// Estimated memory, in bytes, for processing `picture`.
     pub(crate) fn frame_bytes(&self, picture: &Path) -> u64 {
-        let may_wrap = self.roles.wrap != Wrap::None;
+        let may_wrap = self.roles.named.wrap != Wrap::None;
         frame_bytes(picture, self.flags.more_scales().len(), may_wrap)
     }
 
@@ -160,10 +161,6 @@ pub(crate) struct OutputArgs {
     /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
     #[arg(hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
-    /// Pictures: mapping from scene-linear to display. standard, also called srgb, is the sRGB curve; agx and filmic are
-    /// Blender's; none writes the linear numbers from 0 to 1.
-    #[arg(hide_short_help = true, long, value_name = "CURVE", default_value = "standard", value_parser = one_of(VIEW_TRANSFORMS))]
-    pub(crate) view_transform: View,
     /// JPEG: quality, 1 to 100; 95 by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: Option<u8>,
@@ -187,38 +184,6 @@ fn compressions() -> impl Iterator<Item = (OutputCompression, &'static str)> {
 const OUTPUT_TYPES: [(OutputType, &str); 2] =
     [(OutputType::Half, "half"), (OutputType::Float, "float")];
 
-/// Mapping of a picture's linear light to the numbers of a file for a display.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum View {
-    /// Exposure, compressed highlights, the sRGB curve.
-    Standard,
-    /// Exposure, AgX, the sRGB curve.
-    Agx,
-    /// Exposure, Filmic, the sRGB curve.
-    Filmic,
-    /// Nothing.
-    None,
-}
-
-impl View {
-    /// The encoding of values.
-    pub(crate) fn transform(self) -> ViewTransform {
-        match self {
-            Self::Standard | Self::Agx | Self::Filmic => ViewTransform::Srgb,
-            Self::None => ViewTransform::None,
-        }
-    }
-}
-
-/// Names of mappings.
-const VIEW_TRANSFORMS: [(View, &str); 5] = [
-    (View::Standard, "standard"),
-    (View::Standard, "srgb"),
-    (View::Agx, "agx"),
-    (View::Filmic, "filmic"),
-    (View::None, "none"),
-];
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LayersArg {
     Keep,
@@ -230,6 +195,16 @@ pub(crate) enum LayersArg {
 pub(crate) enum LayerNames {
     Full,
     Short,
+}
+
+impl LayerNames {
+    /// The channel name for the `short` name in our tables.
+    pub(crate) fn of(self, short: &str) -> String {
+        match self {
+            Self::Full => full_name(short),
+            Self::Short => short.into(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

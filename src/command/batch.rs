@@ -1,8 +1,9 @@
 //! Several independent pictures on one command line, and the names of their outputs.
 
 use super::args::WorkArgs;
-use super::output::{Kind, NAME};
+use super::output::NAME;
 use crate::error::{Error, Result, bad};
+use crate::io::output::OutputKind;
 use crate::untrusted::{Untrusted, shown};
 use std::path::{Path, PathBuf};
 
@@ -109,7 +110,7 @@ impl WorkArgs {
 
     /// Error for a single file shared by all pictures. One of the inputs may have been meant as the output.
     fn one_for_all(&self, name: &'static str, path: &Path) -> Error {
-        let is_stray = |path: &&PathBuf| !path.exists() && Kind::of(path).is_ok();
+        let is_stray = |path: &&PathBuf| !path.exists() && OutputKind::of(path).is_ok();
         let stray = self.more.iter().find(is_stray);
         let stray = stray.map(|path| path.to_string_lossy());
         let stray = stray.as_deref().map(Untrusted);

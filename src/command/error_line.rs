@@ -1,7 +1,7 @@
 //! Errors as one line.
 
-use super::output::Kind;
 use crate::error::Error;
+use crate::io::output::OutputKind;
 use crate::untrusted::{Untrusted, bounded};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::path::Path;
@@ -47,7 +47,7 @@ fn stray_file(error: &clap::Error) -> Option<String> {
         return None;
     };
     let is_stray = error.kind() == ErrorKind::UnknownArgument && !word.starts_with('-');
-    let kind = Kind::of(Path::new(word));
+    let kind = OutputKind::of(Path::new(word));
     let word = Untrusted(word);
     let remedy = match kind {
         Ok(_) => format!("to write it, give -o {}", word.word()),

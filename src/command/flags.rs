@@ -4,12 +4,11 @@ use crate::error::{Result, bad};
 use crate::params::{
     Choice, Kind, Many, Param, Parameters, Params, Scale, Style, check_scales, table,
 };
-use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
+use clap::builder::{PossibleValuesParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// A flag with its value: `--name=value`; without one, a switch.
 #[derive(Debug, Clone, PartialEq)]
@@ -285,32 +284,6 @@ fn arg(row: &'static Param) -> Arg {
     match (row.default)() {
         Some(default) => arg.default_value(default),
         None => arg,
-    }
-}
-
-/// Parser for the words of `all`.
-pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
-    all: impl IntoIterator<Item = (T, &'static str)>,
-) -> impl TypedValueParser<Value = T> {
-    let all: Vec<_> = all.into_iter().collect();
-    let names = PossibleValuesParser::new(all.iter().map(|(_, name)| *name));
-    names.map(move |word| {
-        let named = all.iter().find(|(_, name)| *name == word);
-        named.expect("other words are refused").0
-    })
-}
-
-/// A value that was given, or a word in its place, such as `auto`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Given<T>(pub(super) Option<T>);
-
-/// A parser for a value, or a `word` in its place.
-pub(super) fn word_or<T: FromStr<Err = String>>(
-    word: &'static str,
-) -> impl Fn(&str) -> std::result::Result<Given<T>, String> + Clone {
-    move |text| match text == word {
-        true => Ok(Given(None)),
-        false => text.parse().map(|value| Given(Some(value))),
     }
 }
 

@@ -90,7 +90,7 @@ impl Invocation {
         command.build();
         let keeps = rest.iter().any(|word| word == KEEP_LEVELS);
         let rest: Vec<_> = rest.iter().filter(|word| *word != KEEP_LEVELS).collect();
-        let Given { typed, input } = given_in(&command, &rest);
+        let TypedWords { typed, input } = typed_words(&command, &rest);
         let overruled = |flag: &&Flag| {
             let arg = long(&command, flag.name());
             arg.is_some_and(|arg| {
@@ -167,22 +167,22 @@ impl Invocation {
 
 /// Facts needed from a partial command line, as far as clap can parse it alone.
 #[derive(Default)]
-struct Given {
+struct TypedWords {
     /// Ids of the arguments that were typed.
     typed: BTreeSet<String>,
     /// The common name of the input's frames.
     input: Option<String>,
 }
 
-fn given_in(command: &clap::Command, words: &[&OsString]) -> Given {
+fn typed_words(command: &clap::Command, words: &[&OsString]) -> TypedWords {
     let name = OsString::from(command.get_name());
     let lenient = command.clone().ignore_errors(true);
     let words = std::iter::once(&name).chain(words.iter().copied());
     let Ok(matches) = lenient.try_get_matches_from(words) else {
-        return Given::default();
+        return TypedWords::default();
     };
     let input = matches.get_raw("input").and_then(Iterator::last);
-    Given {
+    TypedWords {
         typed: typed_ids(&matches).map(String::from).collect(),
         input: input.map(|input| frames_of(Path::new(input))),
     }

@@ -12,15 +12,8 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Light layers")]
 pub(crate) struct LightLayerFlags {
-    /// Diffuse light, the surface's colour included: a layer of IN or a file.
-    #[arg(long, hide_short_help = true, value_name = "NAME|FILE")]
-    diffuse: Option<String>,
-    /// Specular light, the surface's colour included: a layer of IN or a file.
-    #[arg(long, hide_short_help = true, value_name = "NAME|FILE")]
-    specular: Option<String>,
-    /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
-    #[arg(long, hide_short_help = true, value_name = "NAME|FILE")]
-    albedo: Option<String>,
+    #[command(flatten)]
+    named: LightInputs,
     /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees counterclockwise
     /// from the right of the picture, and degrees from the picture plane toward the viewer. Repeatable, for other
     /// groups or further directions of one: an area light is a set of directions.
@@ -76,23 +69,20 @@ impl LightLayerFlags {
             lobes: params.lobes,
             without_diffuse: magnitudes.diffuse.largest() == 0.0 && !ambient,
             without_specular: magnitudes.specular.largest() == 0.0,
-            diffuse: self.diffuse.clone(),
-            specular: self.specular.clone(),
-            albedo: self.albedo.clone(),
             groups,
             occlusion: ambient,
-            ..LightInputs::default()
+            ..self.named.clone()
         }
     }
 
     /// The layers and files that are named.
     pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
-        let Self {
+        let LightInputs {
             diffuse,
             specular,
             albedo,
             ..
-        } = self;
+        } = &mut self.named;
         given([diffuse, specular, albedo], [])
     }
 }

@@ -2,7 +2,8 @@
 
 use super::args::WorkArgs;
 use super::axes::Axes;
-use super::flags::{Section, one_of};
+use super::flags::Section;
+use crate::params::words::one_of;
 use crate::params::{Group, Scale};
 use clap::Args;
 use std::path::PathBuf;

@@ -10,7 +10,6 @@ pub(crate) mod flags;
 pub(crate) mod frames_there;
 pub(crate) mod grid;
 pub(crate) mod invocation;
-pub(crate) mod layer_names;
 mod light_layers;
 pub(crate) mod line_args;
 pub(crate) mod map;
@@ -28,5 +27,4 @@ pub(crate) mod sequence;
     allow(unreachable_pub, reason = "the host alone exports it")
 )]
 pub(crate) mod setting;
-mod specular_args;
 mod still_camera;

@@ -1,8 +1,8 @@
 //! The argument that names the motion between the frames of a sequence.
 
-use super::flags::{Given, word_or};
 use super::named::{Named, given};
 use crate::io::motion::MotionConvention;
+use crate::params::words::word_or;
 use clap::Args;
 
 /// The motion between frames.
@@ -30,7 +30,7 @@ pub(crate) struct MotionArg {
         value_parser = word_or::<MotionConvention>("auto"),
         requires = "motion"
     )]
-    motion_convention: Given<MotionConvention>,
+    motion_convention: std::option::Option<MotionConvention>,
 }
 
 impl MotionArg {
@@ -41,7 +41,7 @@ impl MotionArg {
 
     /// The convention of motion, where it was given.
     pub(crate) fn convention(&self) -> Option<MotionConvention> {
-        self.motion_convention.0
+        self.motion_convention
     }
 
     /// The layer or file of motion, where it is named.

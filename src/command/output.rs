@@ -1,9 +1,12 @@
 //! The kind of output that a path names, and the names of files.
 
-use super::args::OutputArgs;
+use super::args::{LayersArg, OutputArgs};
 use crate::error::{Result, bad};
+use crate::io::Loaded;
+use crate::io::output::OutputKind;
 use crate::io::picture::{ArrayFormat, PictureFormat};
 use crate::params::Params;
+use crate::product::PART;
 use crate::untrusted::shown;
 use std::path::{Path, PathBuf};
 
@@ -13,44 +16,20 @@ pub(crate) const NAME: &str = "{name}";
 /// Placeholder in the output's name for the map.
 const MAP: &str = "{map}";
 
-/// The kind of file that an output path names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Exr,
-    Picture(PictureFormat),
-    /// Planes as numbers.
-    Numbers(ArrayFormat),
-}
-
-impl Kind {
-    pub(crate) fn of(path: &Path) -> Result<Self> {
-        let ends_in = |extension: &str| {
-            let own = path.extension();
-            own.is_some_and(|own| own.eq_ignore_ascii_case(extension))
-        };
-        match PictureFormat::of_path(path) {
-            _ if ends_in("exr") => Ok(Self::Exr),
-            _ if ends_in("npy") => Ok(Self::Numbers(ArrayFormat::Npy)),
-            Some(format) => Ok(Self::Picture(format)),
-            None => Err(bad(
-                "-o",
-                format!("{} has no known extension", shown(path)),
-                "end it in .exr, .png, .jpg, .tif, .hdr or .npy",
-            )),
-        }
-    }
-}
-
 impl OutputArgs {
-    /// The kind of the output; a picture if no output is given. A TIFF of maps or of chosen layers holds their numbers.
-    pub(crate) fn kind(&self) -> Result<Kind> {
+    /// The kind of the output, but for lines; a picture if no output is given. A TIFF of maps or of chosen layers holds
+    /// their numbers.
+    pub(crate) fn kind(&self) -> Result<OutputKind> {
+        let Some(path) = self.output.as_deref() else {
+            return Ok(OutputKind::Picture(PictureFormat::Png));
+        };
         let is_of_numbers = self.tiff_holds_numbers || !self.write.is_empty();
-        match self.output.as_deref().map(Kind::of).transpose()? {
-            Some(Kind::Picture(PictureFormat::Tiff)) if is_of_numbers => {
-                Ok(Kind::Numbers(ArrayFormat::Tiff))
+        match OutputKind::of(path)? {
+            OutputKind::Picture(PictureFormat::Tiff) if is_of_numbers => {
+                Ok(OutputKind::Numbers(ArrayFormat::Tiff))
             }
-            Some(kind) => Ok(kind),
-            None => Ok(Kind::Picture(PictureFormat::Png)),
+            OutputKind::Svg => Err(OutputKind::unknown(path)),
+            kind => Ok(kind),
         }
     }
 
@@ -59,7 +38,7 @@ impl OutputArgs {
     /// # Errors
     /// [`Error::BadParameter`] naming the output.
     pub(crate) fn refuse_numbers(&self) -> Result<()> {
-        let (Ok(Kind::Numbers(_)), Some(path)) = (self.kind(), &self.output) else {
+        let (Ok(OutputKind::Numbers(_)), Some(path)) = (self.kind(), &self.output) else {
             return Ok(());
         };
         Err(bad(
@@ -100,10 +79,16 @@ impl OutputArgs {
         named.or(self.output.as_deref())
     }
 
+    /// The prefix of our colour channels: none in a file of our own, where they are the picture.
+    pub(crate) fn color_layer(&self, loaded: &Loaded) -> Option<&'static str> {
+        let beside = loaded.exr().is_some() && self.layers != LayersArg::Results;
+        beside.then_some(PART)
+    }
+
     /// Whether it is an SVG.
     pub(crate) fn is_svg(&self) -> bool {
-        let extension = self.output.as_deref().and_then(Path::extension);
-        extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+        let kind = self.output.as_deref().map(OutputKind::of);
+        matches!(kind, Some(Ok(OutputKind::Svg)))
     }
 
     /// Refuses --quality for files that are not JPEG, a choice of channels for pictures, and a page for all but SVG.
@@ -115,7 +100,7 @@ impl OutputArgs {
             return Ok(());
         };
         let is_jpeg = PictureFormat::of_path(path) == Some(PictureFormat::Jpeg);
-        let holds_layers = matches!(self.kind(), Ok(Kind::Exr | Kind::Numbers(_)));
+        let holds_layers = matches!(self.kind(), Ok(OutputKind::Exr | OutputKind::Numbers(_)));
         let of = |name, format: &str, extension: &str| {
             Err(bad(
                 name,

@@ -2,10 +2,10 @@
 
 use super::args::WorkArgs;
 use super::flags::{Section, SumFlag};
-use super::specular_args::SpecularFlags;
 use crate::frame::Frame;
-use crate::light::lights::{DirectionalLight, Illumination, LightKinds};
-use crate::params::{AlbedoSource, Group, MaterialParams, Raking, RelightParams, Shadows};
+use crate::io::SpecularInputs;
+use crate::light::lights::DirectionalLight;
+use crate::params::{AlbedoSource, Group, Raking, RelightParams, Shadows};
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -29,7 +29,7 @@ pub(crate) struct RelightArgs {
     #[command(flatten)]
     _material: Section<{ Group::Material as u8 }>,
     #[command(flatten)]
-    pub(crate) specular: SpecularFlags,
+    pub(crate) specular: SpecularInputs,
     #[command(flatten)]
     _search: Section<{ Group::Specular as u8 }>,
     #[command(flatten)]
@@ -124,16 +124,6 @@ impl RelightArgs {
             },
             ..params
         }
-    }
-
-    /// Whether `light` is empty and ambient light was not asked for: the result would be almost black.
-    pub(crate) fn is_dark(&self, light: &Illumination) -> bool {
-        let MaterialParams {
-            material, ambient, ..
-        } = self.params().material;
-        let shows_around = material.shows_surroundings();
-        let is_lit = light.kinds() != LightKinds::NONE;
-        !is_lit && !shows_around && ambient == MaterialParams::default().ambient
     }
 
     /// Warnings for lights with an elevation beyond the zenith.

@@ -1,9 +1,9 @@
 //! Sequences: frame numbers, and the names of their files.
 
-use super::flags::{Given, word_or};
 use super::grid::CellSize;
 use crate::error::{Result, bad};
 use crate::io::sequence::{FrameList, is_pattern, path_of_frame};
+use crate::params::words::word_or;
 use crate::untrusted::shown;
 use clap::{Args, ValueEnum};
 use std::path::Path;
@@ -37,7 +37,7 @@ pub(crate) struct SequenceArgs {
         allow_hyphen_values = true,
         conflicts_with = "grid"
     )]
-    sample_frames: Option<Given<FrameList>>,
+    sample_frames: Option<std::option::Option<FrameList>>,
     /// Skip frames whose output exists and is complete.
     #[arg(long, requires = "frames")]
     pub(crate) skip_existing: bool,
@@ -96,8 +96,8 @@ impl SequenceArgs {
     /// The frames to sample: those given, else some of `frames`.
     pub(crate) fn samples(&self, frames: &[i32]) -> Vec<i32> {
         match &self.sample_frames {
-            Some(Given(None)) => Vec::new(),
-            Some(Given(Some(list))) => list.numbers().to_vec(),
+            Some(None) => Vec::new(),
+            Some(Some(list)) => list.numbers().to_vec(),
             None => spread(frames),
         }
     }

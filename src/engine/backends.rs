@@ -21,6 +21,7 @@ use crate::params::{LineParams, RunOptions};
 use crate::plan::stage::Stage;
 use crate::plan::{Available, Plan};
 use crate::product::Product;
+use std::borrow::Cow;
 
 /// Runs requests and plans on the backends of this machine, one at a time. Memory of outcomes returned by
 /// [`recycle`](Engine::recycle) is reused; the last prepared environment and the last stroke texture are cached.
@@ -132,8 +133,25 @@ impl Engine {
     /// [`Error::BadParameter`] for a parameter outside its range, [`Error::Unfit`] for a picture that the frame lacks, and
     /// those of [`Engine::execute`].
     pub fn run(&self, request: &Request, frame: &Frame, run: &Run) -> Result<Outcome> {
-        let plan = request.plan(Available::in_frame(frame))?;
-        self.execute(&plan, frame, request.inputs, run)
+        let times = request.times(frame)?;
+        let given = request.inputs.specular;
+        let scene = given.filter(|_| times != 1.0);
+        let scene = scene.map(|scene| run.install(|| scene.enlarged(frame, times)));
+        let frame = match times == 1.0 {
+            true => Cow::Borrowed(frame),
+            false => Cow::Owned(run.enlarged(frame, times)?),
+        };
+        let available = Available::in_frame(&frame);
+        let plan = request.clone().fitted(&frame, times).plan(available)?;
+        let light = request.light(available);
+        let inputs = Inputs {
+            illumination: Some(&light),
+            specular: scene.as_ref().or(given),
+            ..request.inputs
+        };
+        self.execute_to(&plan, &frame, inputs, run, |frame, outcome| {
+            outcome.complete(&plan, frame, times, &request.params);
+        })
     }
 
     /// Runs `plan` on `frame`.
@@ -148,15 +166,28 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
+        self.execute_to(plan, frame, inputs, run, |_, _| ())
+    }
+
+    /// As [`Engine::execute`], with what is done to the outcome of the part of the frame that is run.
+    fn execute_to(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        run: &Run,
+        complete: impl FnOnce(&Frame, &mut Outcome),
+    ) -> Result<Outcome> {
         let window = run.region.unwrap_or(frame.data_window);
         run.begin([window.height(), window.width()])?;
         // A tile is run with as much of its repetition around it as the plan reaches.
         let tile = frame.is_tile().then_some(frame.data_window);
         let Some(region) = run.region.or(tile) else {
-            let outcome = run.install(|| match run.max_memory {
+            let mut outcome = run.install(|| match run.max_memory {
                 Some(most) => self.execute_in_strips(plan, frame, inputs, run, most),
                 None => self.execute_here(plan, frame, inputs, run),
             })?;
+            complete(frame, &mut outcome);
             run.finish(frame, &outcome)?;
             return Ok(outcome);
         };
@@ -165,7 +196,9 @@ impl Engine {
         let mut outcome =
             run.install(|| self.execute_here(&part.plan, &part.frame, inputs, run))?;
         outcome.crop(part.frame.data_window, region);
-        run.finish(&frame.crop(region), &outcome)?;
+        let frame = frame.crop(region);
+        complete(&frame, &mut outcome);
+        run.finish(&frame, &outcome)?;
         Ok(outcome)
     }
 

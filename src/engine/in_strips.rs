@@ -153,7 +153,7 @@ mod tests {
     use crate::engine::Request;
     use crate::frame::{ColorPlanes, Plane};
     use crate::light::lights::{DirectionalLight, Illumination};
-    use crate::params::{AlbedoSource, Method, RelightParams, ScalingParams, ShapeParams};
+    use crate::params::{AlbedoSource, Method, Params, RelightParams, ScalingParams, ShapeParams};
     use crate::plan::Goal;
     use crate::product::Product;
     use crate::scenes::Scene;
@@ -184,16 +184,21 @@ mod tests {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let engine = Engine::cpu();
         for request in [
-            Request::enhance(shape, scaling),
+            Request::enhance(Params::of(shape, scaling)),
             Request::new(
                 Goal::Layers {
                     and: &[],
                     more_px: &[3.0],
                 },
-                shape,
-                scaling,
+                Params::of(shape, scaling),
             ),
-            Request::relight(shape, scaling, relight, &light),
+            Request::relight(
+                Params {
+                    relight,
+                    ..Params::of(shape, scaling)
+                },
+                &light,
+            ),
         ] {
             let whole = engine.run(&request, &frame, &Run::new()).unwrap();
             let limited = Run::new().max_memory(8_000_000);

@@ -1,15 +1,19 @@
 //! Outcomes: planes of the descriptor, a picture, a drawing, by name and by product.
 
 use crate::frame::{
-    ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes, Window,
+    ColorPlanes, CurvaturePlanes, Frame, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes,
+    Window,
 };
 use crate::light::lights::LightChoice;
+use crate::light::mixing::mix;
 use crate::line::contours::Contour;
+use crate::line::fading::{faded, largest_around};
 use crate::line::page::Page;
 use crate::line::stippling::Dot;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::params::{LineLevels, ToneLevels};
+use crate::params::{LineLevels, Params, ToneLevels};
+use crate::plan::Plan;
 use crate::product::Product;
 use glam::Vec2;
 use std::time::Duration;
@@ -221,6 +225,50 @@ pub struct Outcome {
     pub left_out: [usize; 2],
     /// The time of each pass, in order.
     pub timings: Vec<(&'static str, Duration)>,
+    /// How it goes to a file, if a request was run.
+    pub(crate) sheet: Option<Box<Sheet>>,
+}
+
+/// What files of an outcome take beside its planes.
+#[derive(Debug, Clone)]
+pub(crate) struct Sheet {
+    pub(crate) params: Params,
+    pub(crate) shows: Shows,
+    /// That of the frame, enlarged as the drawing is.
+    pub(crate) extent: Extent,
+}
+
+/// The windows of a result.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    pub(crate) data_window: Window,
+    pub(crate) display_window: Window,
+    pub(crate) pixel_aspect: f32,
+}
+
+impl From<&Frame> for Extent {
+    fn from(frame: &Frame) -> Self {
+        Self {
+            data_window: frame.data_window,
+            display_window: frame.display_window,
+            pixel_aspect: frame.pixel_aspect,
+        }
+    }
+}
+
+/// What the picture of an outcome is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shows {
+    /// There is none, but layers.
+    Layers,
+    /// The curvature display.
+    Curvature,
+    /// The frame's picture, enhanced.
+    Enhanced,
+    /// The surface in new light.
+    Relit,
+    /// A drawing.
+    Drawing,
 }
 
 /// Adds times to those of the same passes.
@@ -433,6 +481,56 @@ impl Outcome {
         if let Some(drawing) = &mut self.drawing {
             drawing.crop(from, to);
         }
+    }
+
+    /// Mixes what was made of a `frame` that was enlarged so many times with the frame's own: the requested share,
+    /// overall and per pixel, of light or of ink. Where the mask selects lines along edges, they are kept whole as far as
+    /// they reach.
+    pub(crate) fn mix(&mut self, frame: &Frame, times: f64, params: &Params) {
+        let (share, strength) = (params.mix, frame.strength.as_ref());
+        if let Some(drawing) = &mut self.drawing {
+            let width_px = params.line.contours.map_or(0.0, |lines| lines.width_px);
+            let reach = (0.5 * f64::from(width_px) * times).ceil() as usize + 1;
+            let around = strength.map(|strength| largest_around(strength, reach));
+            faded(&mut drawing.hatching, strength, share);
+            let within = drawing.interior.iter_mut().chain(&mut drawing.asked);
+            within.for_each(|ink| faded(ink, strength, share));
+            let along_edges = drawing.contours.iter_mut();
+            along_edges.for_each(|ink| faded(ink, around.as_ref(), share));
+        } else if let Some(made) = &mut self.color {
+            let before = frame.color.as_ref();
+            mix(made, before, strength, share);
+            if let Some(confidence) = &frame.confidence {
+                let kept = confidence.map(|confidence| 1.0 - params.blur_fade * (1.0 - confidence));
+                mix(made, before, Some(&kept), 1.0);
+            }
+        }
+    }
+
+    /// Ends the run of a request by `plan` on a `frame` that was enlarged so many times: mixes, and remembers how its
+    /// files are written.
+    pub(crate) fn complete(&mut self, plan: &Plan, frame: &Frame, times: f64, params: &Params) {
+        let kinds = [
+            (plan.display, Shows::Curvature),
+            (plan.drawing.is_some(), Shows::Drawing),
+            (plan.relighting.is_some(), Shows::Relit),
+            (plan.enhancement.is_some(), Shows::Enhanced),
+        ];
+        let shows = kinds.into_iter().find(|(is_made, _)| *is_made);
+        let shows = shows.map_or(Shows::Layers, |(_, shows)| shows);
+        if shows != Shows::Curvature {
+            self.mix(frame, times, params);
+        }
+        self.sheet = Some(Box::new(Sheet {
+            params: *params,
+            shows,
+            extent: frame.into(),
+        }));
+    }
+
+    /// The first plane of a product, of most the only one; `None` if it was not computed.
+    pub fn plane(&self, product: Product) -> Option<&Plane> {
+        self.planes(product).first().copied()
     }
 
     /// The picture, if one was computed: `None` if the frame's own is unchanged.

@@ -60,13 +60,21 @@ impl<F: AsRef<Frame>> Session<F> {
         &self.counts
     }
 
-    /// As [`Engine::run`].
+    /// As [`Engine::run`]; drawings are not enlarged.
     ///
     /// # Errors
     /// As [`Engine::run`].
     pub fn run(&mut self, request: &Request, run: &Run) -> Result<&Outcome> {
-        let plan = request.plan(Available::in_frame(self.held.as_ref()))?;
-        self.execute(&plan, request.inputs, run)
+        let available = Available::in_frame(self.held.as_ref());
+        let (plan, light) = (request.plan(available)?, request.light(available));
+        let inputs = Inputs {
+            illumination: Some(&light),
+            ..request.inputs
+        };
+        self.execute(&plan, inputs, run)?;
+        let outcome = self.elsewhere.as_mut().unwrap_or(&mut self.outcome);
+        outcome.complete(&plan, self.held.as_ref(), 1.0, &request.params);
+        Ok(self.outcome())
     }
 
     /// As [`Engine::execute`].

@@ -10,11 +10,12 @@ use crate::command::invocation::{Invocation, Task};
 use crate::command::recipe::{COMMANDS, Recipe, is_setting, is_switch};
 use crate::command::sequence::SequenceArgs;
 use crate::error::{Error, Result};
-use crate::io::inputs::Inputs;
+use crate::io::inputs::{INPUTS, Inputs};
+use crate::io::output::page::LINES;
 use crate::light::lights::Illumination;
+use crate::params::param;
 use crate::work::light_of;
-use crate::work::making::LINES;
-use crate::work::source::Source;
+use clap::Arg;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -80,8 +81,10 @@ impl Work {
     /// # Errors
     /// [`Error::Arguments`] naming the first one.
     pub(super) fn refuse_names(&self) -> Result<()> {
-        let source = Source::of(self.work(), &self.light, false)?;
-        source.named().map_or(Ok(()), |setting| {
+        let command = command_named(self.task.recipe.command());
+        let mut names = self.settings.iter().map(|(name, _)| name);
+        let is_of_files = |name: &&String| long(&command, name).is_some_and(names_input);
+        names.find(is_of_files).map_or(Ok(()), |setting| {
             let found = format!(
                 "{setting} is of layers or files, and the frame is made of arrays: leave it out, or load a file"
             );
@@ -141,6 +144,17 @@ impl Work {
             .recipe
             .with(made.map_or(&none, |made| &made.chosen))
     }
+}
+
+/// Whether an argument names a layer or a file of the frame, or how its colours are stored.
+fn names_input(arg: &Arg) -> bool {
+    let form = arg.get_value_names().and_then(<[_]>::first);
+    let form = form.map_or("", |form| form.as_str());
+    let is_of_frame = matches!(arg.get_help_heading(), Some(INPUTS | "Mirrors and lenses"));
+    let is_file = is_of_frame && matches!(form, "NAME" | "FILE" | "JSON");
+    let is_layer = form.starts_with("NAME|FILE") || form.starts_with("NAME=");
+    let is_parameter = arg.get_long().is_some_and(|name| param(name).is_some());
+    (is_file || is_layer || arg.get_id() == "colorspace") && !is_parameter
 }
 
 /// Settings as words of the command line.

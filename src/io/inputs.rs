@@ -4,6 +4,8 @@ use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
 pub use crate::frame::{Flip, NormalEncoding, StoredDepth};
 use crate::io::colorspace::ColorSpace;
 use crate::params::ObjectAngle;
+#[cfg(feature = "cli")]
+use crate::params::words::{auto_or, one_of, word_or};
 use glam::Vec3;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -11,68 +13,157 @@ use std::path::PathBuf;
 /// The name of no layer: a role called so is left out, where no layer and no file is called so.
 pub const NONE: &str = "none";
 
-/// Files and layers of a frame, and how to read them.
+/// The heading of their flags in help.
+#[cfg(feature = "cli")]
+pub(crate) const INPUTS: &str = "Inputs";
+
+/// Spaces of normals. For an object that is not rotated, object space equals world space.
+#[cfg(feature = "cli")]
+const NORMAL_SPACES: [(NormalSpace, &str); 4] = [
+    (NormalSpace::View, NormalSpace::View.name()),
+    (NormalSpace::World, NormalSpace::World.name()),
+    (NormalSpace::World, "object"),
+    (NormalSpace::Sight, NormalSpace::Sight.name()),
+];
+
+/// Encodings of normals, by their words.
+#[cfg(feature = "cli")]
+pub(crate) const NORMAL_ENCODINGS: [(NormalEncoding, &str); 5] = [
+    (NormalEncoding::Signed, "signed"),
+    (NormalEncoding::Unsigned, "unsigned"),
+    (NormalEncoding::Xy, "xy"),
+    (NormalEncoding::Ag, "ag"),
+    (NormalEncoding::Oct, "oct"),
+];
+
+#[cfg(feature = "cli")]
+fn wraps() -> impl Iterator<Item = (Wrap, &'static str)> {
+    let words = Wrap::CHOICES.iter().map(|choice| choice.name);
+    words.filter_map(|word| Some((Wrap::named(word)?, word)))
+}
+
+/// Files and layers of a frame, and how to read them: each field with a flag is a row of the table of inputs.
 ///
 /// A role that is `None` is found by its layer's name or numbers; a name refers to a layer of the picture or, if there
 /// is no such layer, to another file; [`NONE`] leaves the role out. Without normals they are
 /// those of depth or positions, and of heights, whatever else there is.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[cfg_attr(feature = "cli", command(next_help_heading = INPUTS))]
 pub struct Inputs {
     /// The picture: an EXR with its layers, or a photo.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub picture: PathBuf,
-    /// View of a multi-view file that all layers are taken from; `None` takes the default.
+    /// View to take all layers from (as in left), for files with several; the default view if not given.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME", hide_short_help = true)
+    )]
     pub view: Option<String>,
-    /// Group of layers that all layers are taken from, such as a view layer; `None` takes the default.
+    /// Group to take all layers from, such as a view layer (FG for FG.Normal.X), for files with several; that with
+    /// normals, the default picture, or the first if not given. inspect lists them.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
     pub layer: Option<String>,
-    /// The colour to be enhanced.
-    pub color: Option<String>,
-    /// Normals.
+    /// Normals: a layer of IN or a file.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE"))]
     pub normal: Option<String>,
-    /// Depth.
+    /// Depth: a layer of IN or a file; none leaves it out.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE|none"))]
     pub depth: Option<String>,
-    /// World-space positions.
+    /// World-space positions: a layer of IN or a file; none leaves it out.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE|none", hide_short_help = true)
+    )]
     pub position: Option<String>,
-    /// Ambient occlusion.
+    /// The picture to be enhanced: a layer of IN or a file.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE"))]
+    pub color: Option<String>,
+    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out. computed
+    /// is that of the shape: for relight --sky-shadows on without a layer, for enhance what --scaling-ambient scales.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE|none|computed", hide_short_help = true)
+    )]
     pub occlusion: Option<String>,
     /// Colour of the surface itself.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub albedo: Option<String>,
-    /// Importance; read only if named here.
+    /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE", hide_short_help = true)
+    )]
     pub importance: Option<String>,
     /// Motion since the previous frame, in any convention; read only if [`Needs`] ask for it.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub motion: Option<String>,
-    /// Layer of the effect's strength, 0..1, if [`Needs`] ask for it; otherwise treated as coverage.
+    /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is computed over the whole
+    /// picture, and the gain is that of this part; drawings and measurements cover the pixels where the mask is above one
+    /// half.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE"))]
     pub mask: Option<String>,
-    /// Objects the effect is limited to, by their Cryptomatte names, with `*` and `?` as wildcards, or by their
-    /// numbers; a `!` before a name excludes an object. Empty means all.
+    /// Only this object, by its name in Cryptomatte, * and ? for any letters, its hash, as in 0x05777012, or its number in
+    /// an index pass; !NAME leaves one out. May be given several times.
+    #[cfg_attr(feature = "cli", arg(long = "object", value_name = "NAME"))]
     pub objects: Vec<String>,
-    /// The file that tells objects apart, by Cryptomatte or by index passes, if not the picture.
+    /// File with the Cryptomatte or the index passes that tell objects apart, where IN has none; of the same size.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub cryptomatte: Option<PathBuf>,
     /// Stroke angles of single objects, overriding curvature.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub object_angles: Vec<ObjectAngle>,
-    /// Coverage: pixels above one half show a surface.
+    /// Where a surface is seen, above one half: a layer of IN or a file. Normals elsewhere are ignored.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE", hide_short_help = true)
+    )]
     pub coverage: Option<String>,
-    /// A camera file.
-    pub camera: Option<PathBuf>,
-    /// The space of the normals; `None` decides from the data.
-    pub normal_space: Option<NormalSpace>,
-    /// The encoding of the normals; `None` decides from the data.
-    pub normal_encoding: Option<NormalEncoding>,
-    /// Axes of the normals, as stored, that point the wrong way. `None` decides from the data; if this is given without
-    /// the space, z is still turned toward the viewer if it points away.
-    pub normal_flip: Option<Flip>,
-    /// Kind of depth in its layer; `None` decides from the data.
-    pub depth_kind: Option<StoredDepth>,
-    /// Pixels that a height of 1 is high, where depth holds heights; `None` takes floats for pixels.
+    /// Space of the normals.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SPACE", hide_short_help = true, default_value = "auto", value_parser = auto_or(NORMAL_SPACES)))]
+    pub normal_space: std::option::Option<NormalSpace>,
+    /// Encoding of the normals: signed (-1..1), unsigned (0..1), or two channels of which z is rebuilt: xy (red, green), ag
+    /// (x in alpha, y in green), oct (octahedral).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ENCODING", hide_short_help = true, default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS)))]
+    pub normal_encoding: std::option::Option<NormalEncoding>,
+    /// Axes of the normals that point the wrong way: as in y or xz, none, or auto; or who wrote them: opengl (none),
+    /// directx (y), opencv (yz), stablenormal, dsine or bae (x).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "AXES", default_value = "auto", value_parser = word_or::<Flip>("auto")))]
+    pub normal_flip: std::option::Option<Flip>,
+    /// Quantity stored as depth.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", hide_short_help = true, default_value = "auto", value_parser = auto_or(StoredDepth::ALL)))]
+    pub depth_kind: std::option::Option<StoredDepth>,
+    /// Pixels that a height of 1 is high. By default floats are pixels, and white is a tenth of the longer side in
+    /// pictures of integers.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "PIXELS",
+            hide_short_help = true,
+            requires = "height"
+        )
+    )]
     pub height_scale: Option<f32>,
-    /// Colour space; `None` follows the files: photos are sRGB, EXR files linear.
-    pub colorspace: Option<ColorSpace>,
-    /// Whether the picture is a tile.
+    /// Colour space of the inputs: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos are srgb
+    /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SPACE", hide_short_help = true, default_value = "auto", value_parser = auto_or(ColorSpace::ALL)))]
+    pub colorspace: std::option::Option<ColorSpace>,
+    /// Opposite borders that continue each other, in a picture that is a tile: none, x (left and right), y, xy, or auto,
+    /// those across which normals change no more than beside them. Results then continue across them.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BORDERS", hide_short_help = true, default_value = "none", value_parser = one_of(wraps())))]
     pub wrap: Wrap,
+    /// Camera as JSON: world_to_camera and focal_px, or other keys listed in docs/guide/files.md.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub camera: Option<PathBuf>,
     /// Light layers; read only if requested here.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub light: Option<LightInputs>,
     /// Rows of the frame to be read, counted from the top of its data window; all where not given.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub rows: Option<Range<usize>>,
     /// The camera, if already known; it takes precedence over all others.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub known_camera: Option<KnownCamera>,
 }
 
@@ -120,26 +211,46 @@ pub struct KnownCamera {
 
 /// Which layers of light are wanted. A lobe that is not named is found by its layers' names.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct LightInputs {
     /// Whether lobes are read.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub lobes: LobeChoice,
     /// Leaves out diffuse lobes of any name.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub without_diffuse: bool,
     /// Leaves out all other lobes.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub without_specular: bool,
-    /// Diffuse light, the surface's colour included.
+    /// Diffuse light, the surface's colour included: a layer of IN or a file.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE", hide_short_help = true)
+    )]
     pub diffuse: Option<String>,
-    /// Specular light, the surface's colour included.
+    /// Specular light, the surface's colour included: a layer of IN or a file.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE", hide_short_help = true)
+    )]
     pub specular: Option<String>,
-    /// The surface's diffuse colour.
+    /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE", hide_short_help = true)
+    )]
     pub albedo: Option<String>,
     /// Light groups; if there are any, lobes are not read.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub groups: Vec<GroupInput>,
     /// Whether ambient occlusion is read.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub occlusion: bool,
     /// Whether the light is read that a diffuse colour does not tell of.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub gloss: bool,
     /// Whether colours of gloss are tints, where that is known.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub gloss_is_tint: Option<bool>,
 }
 

@@ -1,5 +1,6 @@
 //! The parameters of the mapping from linear light to a display.
 
+use super::Group;
 use super::table::even;
 use std::ops::RangeInclusive;
 
@@ -29,6 +30,23 @@ choices! {
     }
 }
 
+choices! {
+    /// Mapping of a picture's linear light to the numbers of a file for a display.
+    #[derive(Default)]
+    pub enum DisplayView {
+        /// Exposure, compressed highlights, the sRGB curve.
+        Standard = "standard" [default],
+        /// Another word for standard.
+        Srgb = "srgb",
+        /// Exposure, AgX, the sRGB curve.
+        Agx = "agx",
+        /// Exposure, Filmic, the sRGB curve.
+        Filmic = "filmic",
+        /// Nothing: linear numbers from 0 to 1.
+        None = "none",
+    }
+}
+
 /// Stops: a factor of 2^30 makes any picture all white, 2^-30 all black.
 const STOPS: RangeInclusive<f32> = -30.0..=30.0;
 
@@ -42,5 +60,9 @@ params! {
         /// Treatment of highlights near white that are new or brighter than before: compress keeps their order and hue,
         /// clip cuts them off.
         highlights: Highlights = Highlights::Compress, flag: "--highlights", form: "HOW";
+        /// Pictures: mapping from scene-linear to display. standard, also called srgb, is the sRGB curve; agx and
+        /// filmic are Blender's; none writes the linear numbers from 0 to 1.
+        view_transform: DisplayView = DisplayView::Standard,
+            flag: "--view-transform", form: "CURVE", group: Group::Print;
     }
 }

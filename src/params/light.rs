@@ -210,6 +210,19 @@ pub struct Magnitudes {
 }
 
 impl ScalingParams {
+    /// The same with magnitudes of 0.
+    pub(crate) fn none(self) -> Self {
+        Self {
+            scaling: 0.0,
+            scaling_convex: None,
+            scaling_concave: None,
+            scaling_ambient: None,
+            scaling_diffuse: None,
+            scaling_specular: None,
+            ..self
+        }
+    }
+
     /// The magnitude of every term.
     pub fn magnitudes(&self) -> Magnitudes {
         let of = |own: Option<f32>| own.map_or_else(|| self.magnitude(), Magnitude::of_both);

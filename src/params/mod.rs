@@ -30,8 +30,10 @@ mod run;
 mod scale_bar;
 mod shape;
 mod specular;
+#[cfg(feature = "cli")]
+pub(crate) mod words;
 
-pub use display::{DisplayParams, Exposure, Highlights};
+pub use display::{DisplayParams, DisplayView, Exposure, Highlights};
 pub use light::{Adaptive, Magnitude, Magnitudes, ScalingParams, TermWhiteLevels};
 pub(crate) use line::MM_PER_INCH;
 pub use line::{
@@ -137,6 +139,17 @@ params! {
         scale_bar: ScaleBar = ScaleBar::Off, flag: "--scale-bar", common: true, form: "WHERE", group: Group::Print;
     }
     relations Params::relations;
+}
+
+impl Params {
+    /// These, and defaults for all others.
+    pub fn of(shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self {
+            shape,
+            scaling,
+            ..Self::default()
+        }
+    }
 }
 
 /// The whole table.

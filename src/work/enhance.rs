@@ -1,20 +1,20 @@
 //! `relievo enhance`: the shading that a picture has, scaled by shape.
 
-use super::picture::{Form, MadePicture};
 use super::{Seen, Work};
 use crate::command::args::WorkArgs;
 use crate::command::commands::EnhanceArgs;
 use crate::command::named::Named;
 use crate::engine::outcome::Outcome;
+use crate::engine::request::Request;
 use crate::error::{Result, bad};
 use crate::frame::{Frame, LightLayers};
 use crate::io::Needs;
 use crate::io::inputs::{Inputs, NONE};
+use crate::io::output::picture::MadePicture;
 use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::monotone_limit;
-use crate::params::{Params, ScalingParams};
-use crate::plan::{Available, Goal, LightAvailable, Plan};
-use std::borrow::Cow;
+use crate::params::ScalingParams;
+use crate::plan::{Available, LightAvailable, Plan};
 
 impl Work for EnhanceArgs {
     fn args(&self) -> &WorkArgs {
@@ -73,43 +73,17 @@ impl Work for EnhanceArgs {
     }
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
-        let Params {
-            shape,
-            scaling,
-            mix,
-            ..
-        } = self.work.flags.params;
-        // None of the change shows: it is left out.
-        let scaling = match mix {
-            0.0 => ScalingParams {
-                scaling: 0.0,
-                scaling_convex: None,
-                scaling_concave: None,
-                scaling_ambient: None,
-                scaling_diffuse: None,
-                scaling_specular: None,
-                ..scaling
-            },
-            _ => seen.found.given(scaling),
-        };
+        let request = Request::enhance(seen.params(&self.work));
         let available = Available {
             light: self.light_available(&seen.frame.light),
             ..Available::in_frame(seen.frame)
         };
-        let plan = Plan::new(Goal::Enhance, available, shape, scaling)?;
+        let plan = request.plan(available)?;
         Ok(vec![plan])
     }
 
-    /// The enhanced picture and the frame's own. A plan with nothing to do leaves the picture unchanged.
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
-        let before = frame.color.as_ref();
-        let color = outcome.color.as_ref().or(before);
-        Some(MadePicture {
-            color: Cow::Borrowed(color?),
-            before,
-            like: None,
-            form: Form::Light,
-        })
+        MadePicture::enhanced(frame, outcome)
     }
 }
 

@@ -1,35 +1,33 @@
 //! `relievo hatch`: line art.
 
-use super::picture::{Form, MadePicture};
 use super::relight::needs;
-use super::{Seen, Work, layers};
+use super::{Seen, Work};
 use crate::command::args::WorkArgs;
 use crate::command::line_args::HatchArgs;
 use crate::command::motion_arg::MotionArg;
 use crate::command::named::Named;
-use crate::command::output::Kind;
 use crate::command::relight_args::RelightArgs;
-use crate::engine::outcome::{Drawing, Outcome};
+use crate::engine::outcome::Outcome;
+use crate::engine::request::Request;
 use crate::error::{Error, Result, bad};
 use crate::frame::{Frame, Window};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::Inputs;
+use crate::io::output::OutputKind;
+use crate::io::output::layers::{color_channels, stroke_channels};
+use crate::io::output::page::page;
+use crate::io::output::picture::MadePicture;
 use crate::io::picture::PictureFormat;
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs, picture_size};
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, LightKinds};
-use crate::line::contours::Contour;
-use crate::line::fading::{faded, largest_around};
-use crate::line::paper::on_paper;
+use crate::light::lights::Illumination;
 use crate::line::stippling::cpu::most_dots_per_px;
 use crate::line::streamlines::Tool;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    Enlargement, Ink, LineParams, ObjectLines, Params, ShapeParams, SoftThreshold, StrokeParams,
-    StrokeScale, Style, ToneSource,
+    Enlargement, Ink, LineParams, ObjectLines, StrokeParams, StrokeScale, Style, ToneSource,
 };
-use crate::plan::{Available, Goal, Plan, Tone};
-use std::borrow::Cow;
+use crate::plan::{Available, Plan};
 use std::path::Path;
 
 /// Memory per pixel of an enlarged drawing, beside its strokes. Measured at 32 megapixels: 58 to 68, with few strokes.
@@ -140,70 +138,30 @@ impl Work for HatchArgs {
     }
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
-        let params = &self.args().flags.params;
-        let tone = self.lit_tone(seen);
+        let mut params = seen.params(self.args());
+        params.relight = self.relight.params();
         let available = Available {
             moving: seen.moves,
             in_sequence: seen.is_in_sequence,
-            specular: (seen.is_specular).then(|| self.relight.specular.params(params)),
+            specular: (seen.is_specular).then(|| self.relight.tracing(&params)),
             ..Available::in_frame(seen.frame).lit_by(&seen.light)
         };
-        let shape = enlarged(params.shape, seen.times, seen.frame);
-        let mut line = self.params();
-        line.strokes.style = available.style(line.strokes.style);
-        let line = self.checked(line)?;
-        let size = enlarged_size(seen.frame.display_window, 1.0);
-        let line = LineParams {
-            contours: line
-                .contours
-                .map(|contours| contours.enlarged(seen.times as f32)),
-            strokes: self.on_page(line.strokes, size, seen.frame.pixel_aspect),
-            ..line
-        };
-        let mut plan = Plan::new(Goal::Hatch(tone, line), available, shape, params.scaling)?;
+        params.line.strokes.style = available.style(params.line.strokes.style);
+        params.line = self.checked(params.line)?;
+        let request = Request::hatch(params).fitted(seen.frame, seen.times);
+        if let Some(lamp) = request.lamp(available) {
+            seen.light.to_mut().directional.push(lamp);
+        }
+        let mut plan = request.plan(available)?;
         plan.inks_strokes = !is_svg(self.args());
-        plan.keeps_tone = plan.inks_strokes && self.args().output.kind()? == Kind::Exr;
+        plan.keeps_tone = plan.inks_strokes && self.args().output.kind()? == OutputKind::Exr;
         Ok(vec![plan])
     }
 
-    /// Mixes in only the requested share of ink, overall and per pixel. Where the mask selects lines along edges, they
-    /// are kept whole as far as they reach.
-    fn mix(&self, frame: &Frame, times: f64, outcome: &mut Outcome) {
-        let Some(drawing) = outcome.drawing.as_mut().filter(|_| !is_svg(self.args())) else {
-            return;
-        };
-        let share = self.args().flags.params.mix;
-        let strength = frame.strength.as_ref();
-        let width_px = self.params().contours.map_or(0.0, |lines| lines.width_px);
-        let reach = (0.5 * f64::from(width_px) * times).ceil() as usize + 1;
-        let around = strength.map(|strength| largest_around(strength, reach));
-        faded(&mut drawing.hatching, strength, share);
-        let within = drawing.interior.iter_mut().chain(&mut drawing.asked);
-        within.for_each(|ink| faded(ink, strength, share));
-        let along_edges = drawing.contours.iter_mut();
-        along_edges.for_each(|ink| faded(ink, around.as_ref(), share));
-    }
-
-    /// The drawing on its paper, of pixels `pixel_aspect` times as wide as high.
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
-        if is_svg(self.args()) {
-            return None;
-        }
-        let strokes = self.params().strokes;
-        let is_bilevel = strokes.ink == Ink::Bilevel;
-        let has_size = self.args().flags.params.size.is_some() || strokes.dpi.is_some();
-        let dpi = strokes.print_dpi();
-        let form = Form::Shown {
-            grey: true,
-            bits: if is_bilevel { 1 } else { 8 },
-            dpi: (is_bilevel || has_size).then_some([dpi / frame.pixel_aspect, dpi]),
-            transform: self.args().output.view_transform.transform(),
-        };
-        let color = match &outcome.drawing {
-            Some(drawing) => Cow::Owned(on_paper(&drawing.layers())),
-            None => Cow::Borrowed(outcome.color.as_ref()?),
-        };
-        Some(MadePicture::shown(color, form))
+        let params = &self.args().flags.params;
+        let is_picture = !is_svg(self.args());
+        is_picture.then(|| MadePicture::drawn(outcome, params, frame.pixel_aspect))?
     }
 
     fn channels<'a>(
@@ -216,29 +174,14 @@ impl Work for HatchArgs {
         let sample_type = output.depth_of_output.unwrap_or(OutputType::Half);
         let color = picture.map(|picture| &*picture.color);
         let color = color.expect("a drawing was made");
-        let mut channels = layers::of_color(output.color_layer(loaded), color, None, sample_type);
-        let drawing = outcome.drawing.iter();
-        let planes = drawing.flat_map(|drawing| {
-            [
-                ("strokes.hatching", Some(&drawing.hatching)),
-                ("strokes.contours", drawing.contours.as_ref()),
-                ("strokes.interior", drawing.interior.as_ref()),
-                ("strokes.tone", drawing.asked.as_ref()),
-            ]
-        });
-        channels.extend(planes.filter_map(|(name, plane)| {
-            Some(OutputChannel {
-                name: name.into(),
-                plane: plane?,
-                sample_type,
-            })
-        }));
+        let mut channels = color_channels(output.color_layer(loaded), color, None, sample_type);
+        channels.extend(stroke_channels(outcome, sample_type));
         channels
     }
 
     fn lines<'a>(&self, frame: &Frame, outcome: &'a Outcome) -> Option<svg::Drawing<'a>> {
         let drawing = outcome.drawing.as_ref().filter(|_| is_svg(self.args()))?;
-        Some(page(frame, drawing, &self.args().flags.params))
+        Some(page(drawing, &self.args().flags.params, &frame.into()))
     }
 }
 
@@ -267,28 +210,9 @@ impl HatchArgs {
         }
     }
 
-    /// Strokes in a picture of this size: those in millimetres have the resolution of its page.
-    fn on_page(&self, mut strokes: StrokeParams, size: [f64; 2], aspect: f32) -> StrokeParams {
-        let page = self.args().flags.params.page_for(size, aspect);
-        if let (StrokeScale::Millimetres(_), Some((_, dpi))) = (strokes.scale, page) {
-            strokes.dpi = Some(dpi);
-        }
-        strokes
-    }
-
     fn times_of(&self, window: Window, pixel_aspect: f32) -> Result<f64> {
-        let params = &self.relight.work.flags.params;
-        match params.size {
-            Some(paper) => paper.factor(
-                [window.width(), window.height()],
-                pixel_aspect,
-                self.params().strokes.print_dpi(),
-            ),
-            None => {
-                let times = params.enlarge.times(window.size_px());
-                Ok(times as f64)
-            }
-        }
+        let size = [window.width(), window.height()];
+        self.args().flags.params.times(size, pixel_aspect)
     }
 
     /// Whether a frame that stands alone is enlarged although nothing asks for it: an engraving that nobody chose, in a file
@@ -299,7 +223,7 @@ impl HatchArgs {
         let output = &self.relight.work.output;
         let has_size = match output.output {
             Some(_) => {
-                !is_svg(&self.relight.work) && !matches!(output.kind(), Ok(Kind::Picture(_)))
+                !is_svg(&self.relight.work) && !matches!(output.kind(), Ok(OutputKind::Picture(_)))
             }
             None => true,
         };
@@ -337,12 +261,12 @@ impl HatchArgs {
     /// black: an enlarged frame, and strokes that are laid one by one.
     fn drawing_bytes(&self, display_window: Window, pixels: u64, times: f64) -> Result<u64> {
         let work = &self.relight.work;
-        let mut strokes = self.params().strokes;
+        let mut params = work.flags.params;
         if is_svg(work) {
-            in_lines(&mut strokes)?;
+            in_lines(&mut params.line.strokes)?;
         }
         let [width, height] = enlarged_size(display_window, times);
-        strokes = self.on_page(strokes, [width, height], 1.0);
+        let mut strokes = params.strokes_on_page([width, height], 1.0);
         let reference = work.flags.params.shape.reference_height;
         let reference = reference.map_or(display_window.height() as f64, f64::from);
         let factor = (height / reference) as f32;
@@ -353,51 +277,6 @@ impl HatchArgs {
         };
         let per_pixel = drawn + f64::from(stroke_bytes_per_px(&strokes, factor));
         Ok((pixels as f64 * times * times * per_pixel) as u64)
-    }
-
-    /// The source of tones for a frame. Those that need light get a lamp where none is given.
-    fn lit_tone(&self, seen: &mut Seen) -> Tone {
-        let relight = self.relight.params();
-        let is_lit = seen.light.kinds() != LightKinds::NONE;
-        // A surface seen in mirrors has no tone but that of its light.
-        let shows_shape = self.tone() == ToneSource::Auto && !seen.is_specular;
-        let relit = match self.tone() {
-            ToneSource::Relight => true,
-            ToneSource::Auto if shows_shape => is_lit,
-            ToneSource::Auto => is_lit || seen.frame.color.is_none(),
-            ToneSource::Enhance | ToneSource::Picture => false,
-        };
-        let is_mirror = relight.material.material.shows_surroundings();
-        if relit && !is_lit && !(is_mirror && seen.is_specular) {
-            let lamp = DirectionalLight::white(LAMP_DEG);
-            seen.light.to_mut().directional.push(lamp);
-        }
-        match self.tone() {
-            _ if shows_shape => Tone::Shape(relit.then_some(relight)),
-            _ if relit => Tone::Relit(relight),
-            ToneSource::Picture => Tone::Picture,
-            _ => Tone::Enhanced,
-        }
-    }
-}
-
-/// Shape parameters for a frame enlarged by `times`, measured in pixels of the original.
-fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
-    if times == 1.0 {
-        return shape;
-    }
-    let height = (frame.display_window.height() as f64 / times)
-        .round()
-        .max(1.0) as u32;
-    let SoftThreshold { lo, hi } = shape.crease;
-    ShapeParams {
-        reference_height: shape.reference_height.or(Some(height)),
-        // Interpolated normals turn `times` less from pixel to pixel.
-        crease: SoftThreshold {
-            lo: lo / times as f32,
-            hi: hi / times as f32,
-        },
-        ..shape
     }
 }
 
@@ -418,49 +297,11 @@ fn stroke_bytes_per_px(strokes: &StrokeParams, factor: f32) -> f32 {
     }
 }
 
-/// The lines of a drawing on a page.
-fn page<'a>(frame: &Frame, drawing: &'a Drawing, params: &Params) -> svg::Drawing<'a> {
-    let laid = |crosses: bool| {
-        let lines = drawing.lines.iter().filter(|line| line.crosses == crosses);
-        lines
-            .map(|line| (&line.points[..], &line.widths[..]))
-            .collect::<Vec<svg::Line>>()
-    };
-    let along = |lines: &'a [Contour]| {
-        let lines = lines.iter();
-        lines
-            .map(|line| (&line.points[..], &line.widths[..]))
-            .collect()
-    };
-    let layers = vec![
-        ("strokes", laid(false)),
-        ("crossing", laid(true)),
-        ("contours", along(&drawing.contour_lines)),
-        ("interior", along(&drawing.interior_lines)),
-    ];
-    let (window, strokes) = (frame.display_window, &params.line.strokes);
-    let page = params.page_for(enlarged_size(window, 1.0), frame.pixel_aspect);
-    svg::Drawing {
-        display_window: window,
-        data_window: frame.data_window,
-        pixel_aspect: frame.pixel_aspect,
-        dpi: page.map_or(strokes.print_dpi(), |(_, dpi)| dpi),
-        paper_mm: page.map(|(paper, _)| paper),
-        dots: drawing
-            .dots
-            .iter()
-            .map(|dot| (dot.at, dot.radius))
-            .collect(),
-        layers,
-        pens: strokes.plotter_pens(),
-    }
-}
-
 /// Refuses bilevel ink for file types without it; EXR layers hold coverage.
-fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
+fn refuse_grey(kind: OutputKind, ink: Ink) -> Result<()> {
     let is_grey = matches!(
         kind,
-        Kind::Picture(PictureFormat::Jpeg | PictureFormat::Hdr)
+        OutputKind::Picture(PictureFormat::Jpeg | PictureFormat::Hdr)
     );
     match is_grey && ink == Ink::Bilevel {
         false => Ok(()),

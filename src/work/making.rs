@@ -1,18 +1,14 @@
 //! What a command makes of a frame in memory: the steps of the command line between reading and writing.
 
-use super::picture::Displayed;
 use super::{Made, Seen, Work};
 use crate::engine::{Engine, Inputs, Run};
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene};
 use crate::io::colorspace::Chromaticities;
-use crate::io::svg::write_svg;
+use crate::io::output::page::text_of;
+use crate::io::output::picture::Displayed;
 use crate::light::lights::Illumination;
 use std::borrow::Cow;
-use std::path::Path;
-
-/// Stands for the file that a drawing in lines would go to.
-pub(crate) const LINES: &str = "made.svg";
 
 /// A command and all that it is run on.
 #[derive(Clone, Copy)]
@@ -64,7 +60,7 @@ impl<'a> Making<'a> {
             let outcome = engine.execute(&plan, frame, inputs, run)?;
             engine.recycle(work.take(&mut made, &plan, outcome));
         }
-        work.mix(frame, times, &mut made.outcome);
+        made.outcome.mix(frame, times, &work.args().flags.params);
         // The tone of a drawing is no picture, and a plan with nothing to do leaves the frame's.
         let color = match work
             .picture(frame, &made.outcome)
@@ -81,11 +77,8 @@ impl<'a> Making<'a> {
         {
             made.planes.extend(map?.named());
         }
-        if let Some(drawn) = work.lines(frame, &made.outcome) {
-            let mut text = Vec::new();
-            write_svg(&mut text, Path::new(LINES), &drawn)?;
-            made.svg = Some(String::from_utf8(text).expect("an SVG is text"));
-        }
+        let lines = work.lines(frame, &made.outcome);
+        made.svg = lines.map(|lines| text_of(&lines)).transpose()?;
         Ok(made)
     }
 
@@ -95,10 +88,10 @@ impl<'a> Making<'a> {
         made: &'a Made,
         primaries: Option<Chromaticities>,
     ) -> Option<(Displayed<'a>, Option<f32>)> {
-        let args = self.work.args();
+        let params = &self.work.args().flags.params;
         let picture = self.work.picture(self.frame, &made.outcome)?;
-        let exposure = picture.exposure(args, &self.frame.mask);
-        let shown = args.displayed(self.frame, primaries, picture, 8, exposure);
+        let exposure = picture.exposure(&params.display, &self.frame.mask);
+        let shown = params.displayed(self.frame, primaries, picture, 8, exposure);
         Some((shown, exposure))
     }
 }

@@ -1,18 +1,18 @@
 //! `relievo map` and `relievo normals`: maps of a texture or a frame, made by several plans.
 
-use super::picture::{Form, MadePicture};
 use super::{Made, Seen, Work};
 use crate::command::args::WorkArgs;
 use crate::command::flags::weights_for;
 use crate::command::map::{Map, MapArgs, Part};
 use crate::command::named::Named;
-use crate::command::output::Kind;
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::error::{Error, Result, bad};
 use crate::frame::bend::Bend;
 use crate::frame::detail::with_detail;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::io::inputs::Inputs;
+use crate::io::output::OutputKind;
+use crate::io::output::picture::{Form, MadePicture};
 use crate::io::picture::ViewTransform;
 use crate::io::{self, Needs};
 use crate::light::lights::Illumination;
@@ -86,7 +86,7 @@ impl MadeMap {
         let form = Form::Shown {
             grey: self.planes.len() == 1,
             bits: args.bits(),
-            dpi: args.work.dpi(frame),
+            dpi: args.work.flags.params.dpi(frame.pixel_aspect),
             transform: ViewTransform::None,
         };
         MadePicture::shown(Cow::Owned(self.colors(&frame.mask)), form)
@@ -162,7 +162,7 @@ impl Work for MapArgs {
         let kind = self.work.output.kind()?;
         let output = &self.work.output;
         let named = output.output.is_none() || output.is_per_map();
-        if parts.len() > 1 && !named && kind != Kind::Exr {
+        if parts.len() > 1 && !named && kind != OutputKind::Exr {
             let found = format!("is one file for {} maps", parts.len());
             return Err(bad(
                 "-o",
@@ -171,11 +171,11 @@ impl Work for MapArgs {
             ));
         }
         match (kind, self.bits.as_deref()) {
-            (Kind::Picture(_), Some("32")) => {
+            (OutputKind::Picture(_), Some("32")) => {
                 let found = "is 32, which a picture does not hold".to_string();
                 return Err(bad("--bits", found, "write a .tif, .npy or .exr"));
             }
-            (Kind::Numbers(_), Some(bits @ ("8" | "16"))) => {
+            (OutputKind::Numbers(_), Some(bits @ ("8" | "16"))) => {
                 let found = format!("is {bits}, and numbers are written as floats");
                 return Err(bad(
                     "--bits",
@@ -329,8 +329,6 @@ impl Work for MapArgs {
         outcome
     }
 
-    fn mix(&self, _: &Frame, _: f64, _: &mut Outcome) {}
-
     fn picture<'a>(&self, _: &'a Frame, _: &'a Outcome) -> Option<MadePicture<'a>> {
         None
     }
@@ -347,7 +345,7 @@ impl MapArgs {
     }
 
     /// A setting that is of a whole picture, and would differ from cell to cell of a sheet: its name, why, and what to do.
-    fn of_one_picture(&self, kind: Kind) -> Option<[&'static str; 3]> {
+    fn of_one_picture(&self, kind: OutputKind) -> Option<[&'static str; 3]> {
         let whole = "is of a whole picture, and --grid cuts it";
         let gain = self.work.flags.params.scaling.curvature_gain;
         let has_scales = self.maps.iter().any(|map| map.has_scales());
@@ -358,7 +356,7 @@ impl MapArgs {
         } else if has_scales && self.sigmas().len() > 1 && gain == Adaptive::Auto {
             let found = "takes a gain for each scale, of a whole picture, and --grid cuts it";
             Some(["--scale", found, "give one, or --curvature-gain"])
-        } else if matches!(kind, Kind::Picture(_)) && self.maps.contains(&Map::Height) {
+        } else if matches!(kind, OutputKind::Picture(_)) && self.maps.contains(&Map::Height) {
             let found = "height runs from black to white in each picture, and --grid makes many";
             Some(["--map", found, "write an .npy, .tif or .exr"])
         } else {

@@ -3,11 +3,8 @@
 
 mod enhance;
 mod hatch;
-mod layers;
 pub(crate) mod making;
 pub(crate) mod map;
-pub(crate) mod picture;
-mod rec709;
 mod relight;
 pub(crate) mod shape;
 pub(crate) mod source;
@@ -27,14 +24,16 @@ use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
-use crate::io::exr::OutputChannel;
+use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::Inputs;
+use crate::io::output::layers::color_channels;
+use crate::io::output::picture::MadePicture;
 use crate::io::{Loaded, Needs, SpecularInputs, svg};
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::Params;
 use crate::plan::Plan;
 use map::MapSamples;
-use picture::MadePicture;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
@@ -65,6 +64,15 @@ impl<'f, 'l> Seen<'f, 'l> {
             is_in_sequence: false,
             moves: false,
             found: Cow::default(),
+        }
+    }
+
+    /// The parameters of a command on this frame, with what was chosen for it.
+    pub(crate) fn params(&self, args: &WorkArgs) -> Params {
+        let params = args.flags.params;
+        Params {
+            scaling: self.found.given(params.scaling),
+            ..params
         }
     }
 }
@@ -181,11 +189,6 @@ pub(crate) trait Work: Sync {
         Outcome::default()
     }
 
-    /// Blends the result with the original by the requested share, overall and per pixel.
-    fn mix(&self, frame: &Frame, _times: f64, outcome: &mut Outcome) {
-        picture::mix_color(self.args(), frame, outcome);
-    }
-
     /// The picture that was made, if one was.
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>>;
 
@@ -198,7 +201,15 @@ pub(crate) trait Work: Sync {
     ) -> Vec<OutputChannel<'a>> {
         let _ = outcome;
         let picture = picture.expect("a picture was made");
-        layers::of_picture(&self.args().output, loaded, &picture.color)
+        let output = &self.args().output;
+        let sample_type = output
+            .depth_of_output
+            .unwrap_or(match loaded.color_is_half {
+                true => OutputType::Half,
+                false => OutputType::Float,
+            });
+        let (layer, alpha) = (output.color_layer(loaded), loaded.frame.alpha.as_ref());
+        color_channels(layer, &picture.color, alpha, sample_type)
     }
 
     /// The lines that were made, if they are written as such.

@@ -1,26 +1,27 @@
 //! `relievo relight`: new light.
 
-use super::picture::{Form, MadePicture};
 use super::{Seen, Work, dark_rims};
 use crate::command::args::WorkArgs;
 use crate::command::named::{Named, given};
 use crate::command::relight_args::{Numbers, RelightArgs};
 use crate::engine::outcome::Outcome;
+use crate::engine::request::{Request, is_dark};
 use crate::error::{Result, bad};
 use crate::frame::Frame;
 use crate::io::environment::{read_environment_within, read_lit_sphere_within};
 use crate::io::inputs::{Inputs, LightInputs, LobeChoice, NONE};
+use crate::io::output::picture::MadePicture;
 use crate::io::{Needs, SpecularInputs};
 use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
 use crate::params::{
-    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Raking, RelightParams, Samples, in_range,
+    AUTO_SAMPLES, AlbedoSource, Bend, MAX_LIGHTS, Params, Raking, RelightParams, Samples,
+    SpecularParams, in_range,
 };
 use crate::plan::{Available, Goal, Plan};
 use glam::Vec3;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 impl Work for RelightArgs {
@@ -34,8 +35,19 @@ impl Work for RelightArgs {
 
     fn names(&mut self) -> Vec<Named<'_>> {
         let mut all = self.work.names();
-        all.extend(self.specular.names());
-        all.extend(given([&mut self.surface.albedo], []));
+        let shown = &mut self.specular;
+        let layers = [
+            &mut self.surface.albedo,
+            &mut shown.mask,
+            &mut shown.hit_position,
+        ];
+        let files = [
+            &mut shown.back,
+            &mut shown.behind,
+            &mut shown.surroundings,
+            &mut shown.surroundings_camera,
+        ];
+        all.extend(given(layers, files));
         let lights = self.light.environment.iter().chain(&self.light.lit_sphere);
         all.extend(lights.map(|path| Named::Shared(path)));
         all
@@ -82,7 +94,7 @@ impl Work for RelightArgs {
     }
 
     fn add_lamp(&self, light: &mut Illumination) -> Option<String> {
-        if !self.is_dark(light) {
+        if !is_dark(&self.params(), light.kinds()) {
             return None;
         }
         light.directional.push(DirectionalLight::white(LAMP_DEG));
@@ -99,38 +111,44 @@ impl Work for RelightArgs {
     fn takes_whole(&self) -> bool {
         let params = self.params();
         let is_turned = params.method.aligns() || params.raking == Raking::Best;
-        is_turned || !self.specular.inputs().is_empty()
+        is_turned || !self.specular.is_empty()
     }
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
-        let params = &self.work.flags.params;
-        let scaling = seen.found.given(params.scaling);
+        let params = seen.params(&self.work);
         let available = Available {
-            specular: seen.is_specular.then(|| self.specular.params(params)),
+            specular: seen.is_specular.then(|| self.tracing(&params)),
             ..Available::in_frame(seen.frame).lit_by(&seen.light)
         };
-        let goal = Goal::Relight(self.params());
-        let mut plan = Plan::new(goal, available, params.shape, scaling)?;
+        let request = Request::new(Goal::Relight(self.params()), params);
+        let mut plan = request.plan(available)?;
         if let Some(relighting) = &mut plan.relighting {
             relighting.estimate = seen.found.albedo;
         }
         Ok(vec![plan])
     }
 
-    /// The relit picture; it is derived from the frame's own where only a share of it is blended in, overall or per
-    /// pixel.
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
-        let is_mixed = self.work.flags.params.mix != 1.0 || frame.strength.is_some();
-        Some(MadePicture {
-            color: Cow::Borrowed(outcome.color.as_ref()?),
-            before: frame.color.as_ref().filter(|_| is_mixed),
-            like: frame.color.as_ref().filter(|_| outcome.takes_picture),
-            form: Form::Light,
-        })
+        MadePicture::relit(frame, outcome, &self.work.flags.params)
     }
 }
 
 impl RelightArgs {
+    /// The bend of sight lines: refracted if back faces are named or the material is glass, else mirrored.
+    pub(super) fn tracing(&self, params: &Params) -> SpecularParams {
+        let material = &params.relight.material;
+        let is_glass = self.specular.back.is_some() || material.material.is_clear();
+        let bend = match (is_glass, material.thin) {
+            (false, _) => Bend::Mirror,
+            (true, true) => Bend::Straight,
+            (true, false) => Bend::Glass { ior: material.ior },
+        };
+        SpecularParams {
+            bend,
+            search: params.search,
+        }
+    }
+
     /// Files and layers to read for new light.
     pub(super) fn inputs(&self) -> Inputs {
         let inputs = self.work.inputs();

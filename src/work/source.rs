@@ -27,7 +27,7 @@ impl Source {
     pub(crate) fn of(work: &dyn Work, light: &Illumination, is_in_sequence: bool) -> Result<Self> {
         let (inputs, needs) = work.reading(light)?;
         let specular = work.light().and_then(|args| {
-            let inputs = args.specular.inputs();
+            let inputs = args.specular.clone();
             let material = args.params().material.material;
             (!inputs.is_empty()).then_some((inputs, material))
         });
@@ -37,41 +37,6 @@ impl Source {
             is_in_sequence,
             specular,
         })
-    }
-
-    /// The first setting that names a layer or a file, or tells how these are read, but for conventions of normals and
-    /// depth; `None` if there is none.
-    #[cfg(feature = "host")]
-    pub(crate) fn named(&self) -> Option<&'static str> {
-        let Self {
-            inputs, specular, ..
-        } = self;
-        let light = inputs.light.clone().unwrap_or_default();
-        let named = [
-            ("view", inputs.view.is_some()),
-            ("layer", inputs.layer.is_some()),
-            ("normal", inputs.normal.is_some()),
-            ("color", inputs.color.is_some()),
-            ("depth", inputs.depth.is_some()),
-            ("position", inputs.position.is_some()),
-            ("occlusion", inputs.occlusion.is_some()),
-            ("importance", inputs.importance.is_some()),
-            ("mask", inputs.mask.is_some()),
-            ("coverage", inputs.coverage.is_some()),
-            ("albedo", inputs.albedo.is_some() || light.albedo.is_some()),
-            ("object", !inputs.objects.is_empty()),
-            ("cryptomatte", inputs.cryptomatte.is_some()),
-            ("object-angle", !inputs.object_angles.is_empty()),
-            ("camera", inputs.camera.is_some()),
-            ("still-camera", inputs.known_camera.is_some()),
-            ("colorspace", inputs.colorspace.is_some()),
-            ("diffuse", light.diffuse.is_some()),
-            ("specular", light.specular.is_some()),
-            ("light-group", !light.groups.is_empty()),
-            ("what mirrors and lenses show", specular.is_some()),
-        ];
-        let found = named.into_iter().find(|(_, is_given)| *is_given);
-        found.map(|(setting, _)| setting)
     }
 
     /// Reads it, and what mirrors and lenses show.

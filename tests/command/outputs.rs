@@ -1,8 +1,16 @@
 //! Outputs that cannot be written give one line and leave no debris, and layers go where requested.
 
 use super::inputs::{bytes, desk};
-use crate::common::program::{Ran, names, program, relievo};
+use crate::common::bits;
+use crate::common::exr::channel;
+use crate::common::program::{Ran, fixture, names, program, relievo};
+use relievo::engine::{Engine, Request, Run};
 use relievo::io::exr::ExrFile;
+use relievo::io::inputs::Inputs;
+use relievo::io::photo::Photo;
+use relievo::io::{Needs, load};
+use relievo::light::lights::Illumination;
+use relievo::params::{Parameters, Params};
 use std::fs;
 
 #[test]
@@ -319,5 +327,88 @@ fn results_that_cannot_be_printed_are_an_error() {
             "{words}: {said}"
         );
         assert_eq!(said.lines().count(), 1, "{words}: {said}");
+    }
+}
+
+/// The library is the program: a request with the settings of a command line saves the same pixels, lines and layers.
+#[test]
+fn a_request_saves_what_the_program_writes() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let bust = fixture("bust.exr");
+    let engine = Engine::auto();
+    for (command, file, settings) in [
+        ("enhance", "half.png", "mix=.5 exposure=1 lobes=off"),
+        ("enhance", "agx.jpg", "view-transform=agx lobes=off"),
+        ("enhance", "strong.exr", "scaling=2 lobes=off"),
+        ("relight", "lamp.png", "albedo-from=white"),
+        ("relight", "lit.exr", "albedo-from=white method=scale"),
+        ("hatch", "page.svg", "style=engraving page=A4"),
+        ("hatch", "large.png", "style=lines enlarge=2 mix=.5"),
+        ("hatch", "ink.tif", "style=stipple ink=bilevel dpi=200"),
+        (
+            "hatch",
+            "strokes.exr",
+            "style=pen tone=relight albedo-from=white",
+        ),
+        ("shape", "shown.png", "scale=4"),
+        ("shape", "layers.exr", "scale=4"),
+    ] {
+        let mut params = Params::default();
+        let mut words = format!("{command} {} -o {file} --layers results", bust.display());
+        for (name, value) in settings.split(' ').filter_map(|one| one.split_once('=')) {
+            assert!(params.set(name, value).unwrap(), "{name}");
+            words += &format!(" --{name} {value}");
+        }
+        if file.ends_with("exr") && matches!(command, "enhance" | "relight") {
+            words += " --depth-of-output float";
+        }
+        relievo(here, &words).ended(0);
+        let inputs = Inputs {
+            picture: bust.clone(),
+            ..Inputs::default()
+        };
+        let needs = Needs {
+            color: command == "enhance",
+            color_if_any: command != "shape",
+            projection: true,
+            objects: command == "hatch",
+            strength: true,
+            confidence: file == "layers.exr",
+            confidence_if_any: matches!(command, "enhance" | "relight"),
+            ..Needs::default()
+        };
+        let frame = load(&inputs, needs).unwrap().frame;
+        let light = Illumination::default();
+        let request = match command {
+            "enhance" => Request::enhance(params),
+            "relight" => Request::relight(params, &light),
+            "hatch" => Request::hatch(params),
+            _ if file.ends_with("png") => Request::display(params),
+            _ => Request::layers(params),
+        };
+        let outcome = engine.run(&request, &frame, &Run::new()).unwrap();
+        let saved = here.join(format!("saved_{file}"));
+        outcome.save(&saved, &frame).unwrap();
+        let [made, saved] = [here.join(file), saved];
+        match file.rsplit_once('.').unwrap().1 {
+            "svg" => assert_eq!(fs::read(&made).unwrap(), fs::read(&saved).unwrap()),
+            "exr" => {
+                let names = |path| {
+                    let file = ExrFile::open(path, &Default::default()).unwrap();
+                    let channels = file.parts[0].channels.iter();
+                    channels.map(|c| c.name.clone()).collect::<Vec<_>>()
+                };
+                assert_eq!(names(&made), names(&saved), "{words}");
+                for name in names(&made) {
+                    let [a, b] = [&made, &saved].map(|path| bits(&channel(path, &name)));
+                    assert!(a == b, "{words}: {name}");
+                }
+            }
+            _ => {
+                let [a, b] = [&made, &saved].map(|path| Photo::read(path).unwrap());
+                assert!(a.channels == b.channels && a.alpha == b.alpha, "{words}");
+            }
+        }
     }
 }

@@ -12,7 +12,8 @@ use relievo::frame::{
 };
 use relievo::light::lights::{DirectionalLight, Illumination, LightKinds};
 use relievo::params::{
-    Adaptive, AlbedoSource, LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Style,
+    Adaptive, AlbedoSource, LineParams, Params, RelightParams, Scale, ScalingParams, ShapeParams,
+    Style,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::product::Product;
@@ -68,12 +69,20 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
     let scaling = ScalingParams::default();
     let available = Available::in_frame(&frame);
     let light = lamp();
-    let relit = Request::relight(shape, scaling, RelightParams::default(), &light);
+    let relit = Request::relight(
+        Params {
+            relight: RelightParams::default(),
+            ..Params::of(shape, scaling)
+        },
+        &light,
+    );
     let relit = relit.plan(available).unwrap();
-    let enhanced = Request::enhance(shape, scaling).plan(available).unwrap();
+    let enhanced = Request::enhance(Params::of(shape, scaling))
+        .plan(available)
+        .unwrap();
     let mut line = LineParams::default();
     line.strokes.style = Style::Pictures;
-    let drawn = Request::hatch(shape, scaling, Tone::Picture, line);
+    let drawn = Request::new(Goal::Hatch(Tone::Picture, line), Params::of(shape, scaling));
     let drawn = drawn.plan(available).unwrap();
     let spheres = LightKinds {
         lit_spheres: 1,
@@ -169,7 +178,7 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
     let point = |tone, change: fn(&mut LineParams)| {
         let mut line = LineParams::default();
         change(&mut line);
-        Request::hatch(shape, scaling, tone, line).lit_by(light)
+        Request::new(Goal::Hatch(tone, line), Params::of(shape, scaling)).lit_by(light)
     };
     let idle = ScalingParams {
         scaling: 0.0,
@@ -182,7 +191,7 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
     const RELIEF: &[Product] = &[Product::Height, Product::Sky, Product::BentNormal];
     let relit = Some(relight);
     vec![
-        ("layers", false, Request::layers(shape, scaling)),
+        ("layers", false, Request::layers(Params::of(shape, scaling))),
         (
             "relief",
             false,
@@ -191,22 +200,45 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
                     and: RELIEF,
                     more_px: &[],
                 },
-                shape,
-                scaling,
+                Params::of(shape, scaling),
             ),
         ),
-        ("display", false, Request::display(shape, scaling)),
-        ("enhance", true, Request::enhance(shape, scaling)),
-        ("enhance by 0", true, Request::enhance(shape, idle)),
+        (
+            "display",
+            false,
+            Request::display(Params::of(shape, scaling)),
+        ),
+        (
+            "enhance",
+            true,
+            Request::enhance(Params::of(shape, scaling)),
+        ),
+        (
+            "enhance by 0",
+            true,
+            Request::enhance(Params::of(shape, idle)),
+        ),
         (
             "relight",
             false,
-            Request::relight(shape, scaling, relight, light),
+            Request::relight(
+                Params {
+                    relight,
+                    ..Params::of(shape, scaling)
+                },
+                light,
+            ),
         ),
         (
             "relight its colours",
             true,
-            Request::relight(shape, scaling, of_picture, light),
+            Request::relight(
+                Params {
+                    relight: of_picture,
+                    ..Params::of(shape, scaling)
+                },
+                light,
+            ),
         ),
         ("tone of the picture", true, point(Tone::Picture, |_| ())),
         ("tone enhanced", true, point(Tone::Enhanced, |_| ())),
@@ -296,7 +328,7 @@ fn a_request_without_its_layers_is_an_error_of_one_line() {
 #[test]
 fn a_cancelled_run_ends_and_the_next_does_not() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::enhance(shape(), ScalingParams::default());
+    let request = Request::enhance(Params::of(shape(), ScalingParams::default()));
     let token = CancelToken::new();
     // In the middle: as soon as diffusion begins.
     let tell = |at: Progress| {
@@ -325,12 +357,21 @@ fn wherever_a_run_is_cancelled_its_session_stays_whole() {
     let drawing = |style: Style| {
         let mut line = LineParams::default();
         line.strokes.style = style;
-        Request::hatch(shape(), scaling, Tone::Shape(None), line)
+        Request::new(
+            Goal::Hatch(Tone::Shape(None), line),
+            Params::of(shape(), scaling),
+        )
     };
     let relit = RelightParams::default();
     let requests = [
-        Request::layers(shape(), scaling),
-        Request::relight(shape(), scaling, relit, &light),
+        Request::layers(Params::of(shape(), scaling)),
+        Request::relight(
+            Params {
+                relight: relit,
+                ..Params::of(shape(), scaling)
+            },
+            &light,
+        ),
         drawing(Style::Pen),
         drawing(Style::Lines),
         drawing(Style::Stipple),
@@ -370,7 +411,7 @@ fn wherever_a_run_is_cancelled_its_session_stays_whole() {
 fn progress_goes_up_to_the_end() {
     let said = Mutex::new(Vec::new());
     let tell = |at: Progress| said.lock().unwrap().push(at);
-    let request = Request::enhance(shape(), ScalingParams::default());
+    let request = Request::enhance(Params::of(shape(), ScalingParams::default()));
     let run = Run::new().progress(&tell);
     Engine::cpu().run(&request, &waves(), &run).unwrap();
     let said = said.lock().unwrap();
@@ -385,7 +426,7 @@ fn progress_goes_up_to_the_end() {
 #[test]
 fn a_region_is_that_part_of_the_whole() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::enhance(shape(), given());
+    let request = Request::enhance(Params::of(shape(), given()));
     let window = frame.data_window;
     let region = Window::at(window.x0 + 20, window.y0 + 33, 31, 17);
     let whole = engine.run(&request, &frame, &Run::new()).unwrap();
@@ -407,7 +448,11 @@ fn a_region_is_that_part_of_the_whole() {
 fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
     let (frame, engine, line) = (waves(), Engine::cpu(), LineParams::default());
     let drawn = |frame: &Frame, sequence: SequenceInputs, region: Option<Window>| {
-        let request = Request::hatch(shape(), given(), Tone::Picture, line).in_sequence(sequence);
+        let request = Request::new(
+            Goal::Hatch(Tone::Picture, line),
+            Params::of(shape(), given()),
+        )
+        .in_sequence(sequence);
         let run = region.map_or(Run::new(), |region| Run::new().region(region));
         let plan = request.plan(Available::in_frame(frame)).unwrap();
         let outcome = engine.run(&request, frame, &run).unwrap();
@@ -446,7 +491,7 @@ fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
 #[test]
 fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::layers(shape(), given());
+    let request = Request::layers(Params::of(shape(), given()));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
     let pool = pool.unwrap();
     let (mut hessian, mut kappa) = (vec![0.0; 3 * 80 * 90], vec![0.0; 80 * 90]);
@@ -466,7 +511,7 @@ fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
 #[test]
 fn memory_of_another_size_is_refused_before_anything_is_done() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::layers(shape(), given());
+    let request = Request::layers(Params::of(shape(), given()));
     let tell = |at: Progress| panic!("{} began", at.stage);
     let mut session = Session::new(Engine::cpu(), frame.clone());
     let mut short = vec![0.0; 80 * 90 - 1];

@@ -5,7 +5,9 @@ use relievo::frame::{Frame, Normals, Window};
 use relievo::io::inputs::{Inputs as Files, Wrap};
 use relievo::io::{self, Needs};
 use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{Adaptive, AlbedoSource, RelightParams, Scale, ScalingParams, ShapeParams};
+use relievo::params::{
+    Adaptive, AlbedoSource, Params, RelightParams, Scale, ScalingParams, ShapeParams,
+};
 use relievo::plan::{Available, Goal};
 use relievo::product::Product;
 use std::f64::consts::TAU;
@@ -75,10 +77,9 @@ fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
                 and: &[],
                 more_px: &[9.0],
             },
-            shape,
-            scaling,
+            Params::of(shape, scaling),
         ),
-        Request::enhance(shape, scaling),
+        Request::enhance(Params::of(shape, scaling)),
     ];
     requests.map(|request| {
         let plan = request.plan(Available::in_frame(frame)).unwrap();
@@ -156,7 +157,7 @@ fn a_wave_fades_by_its_eigenvalue_at_every_scale() {
             tolerance: 1e-6,
             ..ShapeParams::default()
         };
-        let request = Request::layers(shape, given());
+        let request = Request::layers(Params::of(shape, given()));
         let made = Engine::cpu().run(&request, &frame, &Run::new()).unwrap();
         let gradient = made.shape.gradient.unwrap();
         let left = (-f64::from(sigma * sigma) * (1.0 - k.cos())).exp();
@@ -175,7 +176,7 @@ fn a_region_of_a_tile_is_cut_from_the_whole() {
         scale: Scale::Sigma(3.0),
         ..ShapeParams::default()
     };
-    let request = Request::layers(shape, ScalingParams::default());
+    let request = Request::layers(Params::of(shape, ScalingParams::default()));
     let whole = Engine::cpu().run(&request, &tile, &Run::new()).unwrap();
     let region = Window::at(31, 5, 9, 12);
     let part = Engine::cpu()
@@ -204,8 +205,7 @@ fn the_sky_is_that_over_an_endless_surface() {
                 and: &[Product::Sky],
                 more_px: &[],
             },
-            shape,
-            given(),
+            Params::of(shape, given()),
         );
         let made = Engine::cpu().run(&request, frame, &Run::new());
         made.unwrap().shape.sky.unwrap()
@@ -273,7 +273,13 @@ fn a_rolled_tile_is_lit_as_it_was() {
     };
     let lit = |frame: &Frame| {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let request = Request::relight(shape, scaling, params, &illumination);
+        let request = Request::relight(
+            Params {
+                relight: params,
+                ..Params::of(shape, scaling)
+            },
+            &illumination,
+        );
         let made = Engine::cpu().run(&request, frame, &Run::new());
         made.unwrap().color.unwrap().r
     };
@@ -415,22 +421,22 @@ fn height_is_made_where_it_is_named() {
     }
     let frame = endless(width, height, &normals);
     let engine = Engine::cpu();
-    let layers = || {
-        let shape = ShapeParams {
+    let params = Params {
+        shape: ShapeParams {
             height_tolerance: 1e-6,
             ..ShapeParams::default()
-        };
-        Request::layers(shape, ScalingParams::default())
-    };
-    let outcome = engine.run(&layers(), &frame, &Run::new()).unwrap();
-    assert!(outcome.shape.height.is_none() && outcome.shape.sky.is_none());
-    let request = Request {
-        goal: Goal::Layers {
-            and: &[Product::Height, Product::Sky, Product::BentNormal],
-            more_px: &[],
         },
-        ..layers()
+        ..Params::default()
     };
+    let outcome = engine
+        .run(&Request::layers(params), &frame, &Run::new())
+        .unwrap();
+    assert!(outcome.shape.height.is_none() && outcome.shape.sky.is_none());
+    let goal = Goal::Layers {
+        and: &[Product::Height, Product::Sky, Product::BentNormal],
+        more_px: &[],
+    };
+    let request = Request::new(goal, params);
     let shape = engine.run(&request, &frame, &Run::new()).unwrap().shape;
     let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
     // Across a face the height changes by the mean of the slopes beside it, which is of second order: a wave of angular

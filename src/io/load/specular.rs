@@ -25,19 +25,51 @@ use std::sync::Arc;
 
 /// The files and layers that mirrors and lenses show.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[cfg_attr(feature = "cli", command(next_help_heading = "Mirrors and lenses"))]
 pub struct SpecularInputs {
-    /// Which pixels are specular, above one half: a layer of the picture, or a file.
+    /// Pixels of mirrors or lenses, above one half: a layer of IN or a file; all covered pixels if not given.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            id = "specular_mask",
+            long = "specular-mask",
+            value_name = "NAME|FILE",
+            hide_short_help = true
+        )
+    )]
     pub mask: Option<String>,
-    /// Back faces of transparent things, seen by the same camera: normals and depth.
+    /// Back faces of a lens, normals and depth from the same camera: sight lines are refracted twice, by --ior.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "FILE", hide_short_help = true)
+    )]
     pub back: Option<PathBuf>,
-    /// The scene without its specular things, seen by the same camera: depth, and normals and colour if any.
+    /// The scene without its mirrors and lenses, from the same camera: depth, and normals and colour if any.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "FILE", hide_short_help = true)
+    )]
     pub behind: Option<PathBuf>,
-    /// Surroundings of a specular object: an equirectangular map of world-space positions, or of distances, with
-    /// optional normals and colour.
+    /// The view in all directions around the mirror or lens, equirectangular: positions (or distances), and normals and
+    /// colour if any.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "FILE", hide_short_help = true)
+    )]
     pub surroundings: Option<PathBuf>,
-    /// Viewpoint of a map of distances: a camera file, with only `world_to_camera` used.
+    /// Viewpoint of surroundings without positions: a camera file with world_to_camera.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "FILE", hide_short_help = true)
+    )]
     pub surroundings_camera: Option<PathBuf>,
-    /// World-space points that bent sight lines meet: a layer of the picture, or a file.
+    /// World-space points hit by mirrored or refracted sight lines, if the renderer writes them: a layer of IN or a
+    /// file. No search is made then.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME|FILE", hide_short_help = true)
+    )]
     pub hit_position: Option<String>,
 }
 

@@ -2,13 +2,24 @@
 
 #[cfg(feature = "cli")]
 mod files;
+mod kind;
+mod layer_names;
+pub(crate) mod layers;
 #[cfg(feature = "cli")]
 mod leftovers;
+pub(crate) mod page;
+pub(crate) mod picture;
+mod rec709;
+mod save;
 mod target;
 mod temporary;
 
 #[cfg(feature = "cli")]
 pub(crate) use files::Files;
+pub(crate) use kind::OutputKind;
+pub(crate) use layer_names::full_name;
+#[cfg(feature = "cli")]
+pub(crate) use layer_names::names_of;
 #[cfg(feature = "cli")]
 pub(crate) use leftovers::{drop_unfinished, remove_leftovers};
 pub use target::Replace;
@@ -23,6 +34,11 @@ use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use target::{Target, exists_already};
 use temporary::Temporary;
+
+/// The software named in written files.
+pub(crate) fn software() -> String {
+    format!("relievo {}", env!("CARGO_PKG_VERSION"))
+}
 
 /// Writes the file `path` through `write`, atomically: it holds the whole result or is unchanged.
 ///

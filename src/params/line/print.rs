@@ -4,7 +4,7 @@ use super::strokes::{MAX_TIMES, MM_PER_INCH};
 use crate::error::{Error, Result, bad};
 use crate::params::table::Kind;
 use crate::params::value::{Value, finite};
-use crate::params::{Param, Params};
+use crate::params::{Param, Params, StrokeParams, StrokeScale};
 use serde::Serialize;
 
 /// The paper that a drawing is fitted to.
@@ -103,6 +103,30 @@ choices! {
 }
 
 impl Params {
+    /// Enlargement of a picture with so many columns and rows of pixels before it is drawn.
+    ///
+    /// # Errors
+    /// As [`PaperSize::factor`], where a paper is given.
+    pub(crate) fn times(&self, size_px: [usize; 2], pixel_aspect: f32) -> Result<f64> {
+        match self.size {
+            Some(paper) => paper.factor(size_px, pixel_aspect, self.line.strokes.print_dpi()),
+            None => {
+                let [width, height] = size_px;
+                Ok(self.enlarge.times(((width * height) as f32).sqrt()) as f64)
+            }
+        }
+    }
+
+    /// The strokes in a picture of this size: those in millimetres have the resolution of its page.
+    pub(crate) fn strokes_on_page(&self, size_px: [f64; 2], pixel_aspect: f32) -> StrokeParams {
+        let mut strokes = self.line.strokes;
+        let page = self.page_for(size_px, pixel_aspect);
+        if let (StrokeScale::Millimetres(_), Some((_, dpi))) = (strokes.scale, page) {
+            strokes.dpi = Some(dpi);
+        }
+        strokes
+    }
+
     /// The page of an SVG of a picture of this size, as in [`PaperSize::factor`]: its width and height in millimetres,
     /// and the resolution that makes the drawing fit.
     pub fn page_for(&self, size_px: [f64; 2], pixel_aspect: f32) -> Option<([f32; 2], f32)> {

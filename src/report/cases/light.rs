@@ -9,10 +9,10 @@ use crate::light::environment::Environment;
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::light::radiance_scaling::scaling;
 use crate::params::{
-    Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
+    Adaptive, LineParams, Material, Method, Params, RelightParams, Samples, Scale, ScalingParams,
     ShapeParams, Solver, StrokeDirections, ToneParams,
 };
-use crate::plan::Tone;
+use crate::plan::{Goal, Tone};
 use crate::scenes::frames::{grey, masked};
 use crate::scenes::light_reference::{Pixel, Settings, hessian, irradiance, lit, sigma, white};
 use crate::scenes::{Scene, environment};
@@ -24,7 +24,16 @@ fn run(request: &Request, frame: &Frame) -> Result<Outcome> {
 
 fn relit(frame: &Frame, params: RelightParams, light: &Illumination) -> Result<Outcome> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    run(&Request::relight(shape, scaling, params, light), frame)
+    run(
+        &Request::relight(
+            Params {
+                relight: params,
+                ..Params::of(shape, scaling)
+            },
+            light,
+        ),
+        frame,
+    )
 }
 
 fn lamp(azimuth: f32, elevation: f32) -> Illumination {
@@ -102,7 +111,7 @@ fn painted(frame: Frame) -> Frame {
 
 /// How far `enhance` changes a picture.
 fn changed(frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -> Result<f64> {
-    let outcome = run(&Request::enhance(shape, scaling), frame)?;
+    let outcome = run(&Request::enhance(Params::of(shape, scaling)), frame)?;
     let before = frame.color.as_ref().expect("the frame has a picture");
     let Some(after) = &outcome.color else {
         return Ok(0.0);
@@ -127,7 +136,7 @@ fn formula() -> f64 {
 
 /// One less the correlation of curvature with the logarithm of what brings it out.
 fn sign(frame: &Frame, plain: &Plane, scaled: &Plane) -> Result<f64> {
-    let layers = Request::layers(ShapeParams::default(), ScalingParams::default());
+    let layers = Request::layers(Params::default());
     let layers = run(&layers, frame)?;
     let kappa = layers.shape.kappa.as_ref().expect("layers hold it");
     let mut pairs = Vec::new();
@@ -190,12 +199,7 @@ fn ink(directions: StrokeDirections) -> Result<f64> {
         contours: None,
         ..LineParams::default()
     };
-    let request = Request::hatch(
-        ShapeParams::default(),
-        ScalingParams::default(),
-        Tone::Picture,
-        line,
-    );
+    let request = Request::new(Goal::Hatch(Tone::Picture, line), Params::default());
     let outcome = run(&request, &frame)?;
     let ink = &outcome.drawing.as_ref().expect("it draws").hatching;
     let mean =
@@ -215,7 +219,7 @@ fn enhanced(frame: Frame, scaling: f32) -> Result<f64> {
 /// Whether bumps of waves come out brighter.
 fn waves_enhanced() -> Result<f64> {
     let frame = grey(Scene::waves(160, 120).frame, 0.3);
-    let request = Request::enhance(ShapeParams::default(), ScalingParams::default());
+    let request = Request::enhance(Params::default());
     let outcome = run(&request, &frame)?;
     let before = frame.color.as_ref().expect("it has a picture");
     sign(&frame, &before.g, &picture(&outcome).g)
@@ -251,7 +255,10 @@ fn by_both_solvers() -> Result<f64> {
             solver,
             ..ShapeParams::default()
         };
-        run(&Request::enhance(shape, ScalingParams::default()), &frame)
+        run(
+            &Request::enhance(Params::of(shape, ScalingParams::default())),
+            &frame,
+        )
     };
     let (a, b) = (of(Solver::Explicit)?, of(Solver::Chebyshev)?);
     Ok(apart(&picture(&a).g, &picture(&b).g))

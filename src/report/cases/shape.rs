@@ -5,7 +5,7 @@ use crate::engine::{Engine, Outcome, Request, Run};
 use crate::error::Result;
 use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::{Frame, Normals, Plane, StoredDepth, Vector3Planes};
-use crate::params::{Scale, ScalingParams, ShapeParams, Solver};
+use crate::params::{Params, Scale, ScalingParams, ShapeParams, Solver};
 use crate::plan::Goal;
 use crate::product::Product;
 use crate::scenes::frames::{masked, noise};
@@ -13,7 +13,7 @@ use crate::scenes::{ExactScene, HEIGHT, Scene, Surface, WAVE, angle_deg, ball_tr
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 fn described(frame: &Frame, shape: ShapeParams) -> Result<Outcome> {
-    let request = Request::layers(shape, ScalingParams::default());
+    let request = Request::layers(Params::of(shape, ScalingParams::default()));
     Engine::cpu().run(&request, frame, &Run::new())
 }
 
@@ -320,7 +320,7 @@ fn height() -> Result<f64> {
         and: &[Product::Height],
         more_px: &[],
     };
-    let request = Request::new(goal, itself(0.0), ScalingParams::default());
+    let request = Request::new(goal, Params::of(itself(0.0), ScalingParams::default()));
     let outcome = Engine::cpu().run(&request, &frame, &Run::new())?;
     let plane = outcome.planes(Product::Height)[0];
     let exact = |x: usize, y: usize| {

@@ -4,8 +4,8 @@
 mod light_files;
 mod view_session;
 
-pub(crate) use crate::command::role_args::INPUTS;
 pub(crate) use crate::command::setting::{Kind, Setting, settings_of};
+pub(crate) use crate::io::inputs::INPUTS;
 pub(crate) use light_files::{ENVIRONMENT, LIT_SPHERE, LightFile, light_files};
 pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
 

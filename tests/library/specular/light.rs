@@ -9,7 +9,7 @@ use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SpecularScene, Window};
 use relievo::light::brdf::fresnel;
 use relievo::light::lights::{Illumination, LightKinds};
 use relievo::params::{
-    Bend, Material, Method, RelightParams, ScalingParams, ShapeParams, WarpingParams,
+    Bend, Material, Method, Params, RelightParams, ScalingParams, ShapeParams, WarpingParams,
 };
 use relievo::plan::{Available, Goal, Plan};
 use std::sync::Arc;
@@ -49,9 +49,10 @@ fn a_region_of_a_mirror_is_that_part_of_the_whole() {
     };
     let light = Illumination::default();
     let request = Request::relight(
-        ShapeParams::default(),
-        ScalingParams::default(),
-        params(Material::Mirror, Method::Plain),
+        Params {
+            relight: params(Material::Mirror, Method::Plain),
+            ..Params::default()
+        },
         &light,
     );
     let request = request.specular(&scene, traced(Bend::Mirror));

@@ -6,7 +6,6 @@ mod arrays;
 mod codes;
 mod display;
 mod encoding;
-#[cfg(feature = "cli")]
 mod exposure;
 mod filmic;
 mod format;
@@ -23,7 +22,6 @@ mod whites;
 pub(crate) use arrays::{Array, ArrayFormat};
 pub use display::{Bright, Display};
 pub use encoding::Encoding;
-#[cfg(feature = "cli")]
 pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};

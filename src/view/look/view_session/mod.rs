@@ -12,10 +12,10 @@ use crate::engine::{Engine, Inputs, Run, Session};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
+use crate::io::output::picture::{Form, MadePicture};
 use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::light::lights::Illumination;
 use crate::plan::Plan;
-use crate::work::picture::{Form, MadePicture};
 use crate::work::source::Source;
 use crate::work::{Seen, shape};
 use reading::LookFiles;
@@ -296,7 +296,8 @@ impl ViewSession {
         match made.what {
             What::Layers => None,
             What::Curvature => {
-                let picture = shape::display(work.args(), frame, outcome)?;
+                let params = &work.args().flags.params;
+                let picture = MadePicture::curvature(frame, outcome, params)?;
                 Some(self.shown(picture, work.args()))
             }
             What::Picture => {
@@ -306,7 +307,7 @@ impl ViewSession {
                     takes_picture: outcome.takes_picture,
                     ..Outcome::default()
                 };
-                work.mix(frame, 1.0, &mut mixed);
+                mixed.mix(frame, 1.0, &work.args().flags.params);
                 Some(self.shown(work.picture(frame, &mixed)?, work.args()))
             }
         }
@@ -337,8 +338,9 @@ impl ViewSession {
     fn shown(&self, made: MadePicture, args: &WorkArgs) -> Pixels {
         let primaries = self.sitter.as_ref().expect(IN_HAND).loaded().chromaticities;
         let frame = self.frame().expect(IN_HAND);
-        let exposure = made.exposure(args, &frame.mask);
-        let shown = args.displayed(frame, primaries, made, 8, exposure);
+        let params = &args.flags.params;
+        let exposure = made.exposure(&params.display, &frame.mask);
+        let shown = params.displayed(frame, primaries, made, 8, exposure);
         Pixels::of(&shown.picture())
     }
 

@@ -1,14 +1,13 @@
 //! The picture of a result, and what a display has of it.
 
 use super::rec709::{converted, rec709_from};
-use crate::command::args::{View, WorkArgs};
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::colorspace::Chromaticities;
 use crate::io::picture::{Bright, Brightness, Display, Picture, ViewTransform};
-use crate::light::mixing::mix;
 use crate::line::bilevel::bilevel;
-use crate::params::{DisplayParams, Exposure, Highlights};
+use crate::line::paper::on_paper;
+use crate::params::{DisplayParams, DisplayView, Exposure, Highlights, Ink, Params};
 use std::borrow::Cow;
 
 /// A result picture.
@@ -37,8 +36,62 @@ pub(crate) enum Form {
 }
 
 impl<'a> MadePicture<'a> {
+    /// The frame's picture, enhanced. A plan with nothing to do leaves it unchanged.
+    pub(crate) fn enhanced(frame: &'a Frame, outcome: &'a Outcome) -> Option<Self> {
+        let before = frame.color.as_ref();
+        Some(Self {
+            color: Cow::Borrowed(outcome.color.as_ref().or(before)?),
+            before,
+            like: None,
+            form: Form::Light,
+        })
+    }
+
+    /// The surface in new light. It is derived from the frame's own picture where only a share of it is blended in, overall
+    /// or per pixel.
+    pub(crate) fn relit(frame: &'a Frame, outcome: &'a Outcome, params: &Params) -> Option<Self> {
+        let is_mixed = params.mix != 1.0 || frame.strength.is_some();
+        Some(Self {
+            color: Cow::Borrowed(outcome.color.as_ref()?),
+            before: frame.color.as_ref().filter(|_| is_mixed),
+            like: frame.color.as_ref().filter(|_| outcome.takes_picture),
+            form: Form::Light,
+        })
+    }
+
+    /// The curvature display, whose colours are those of a screen already.
+    pub(crate) fn curvature(frame: &Frame, outcome: &'a Outcome, params: &Params) -> Option<Self> {
+        let form = Form::Shown {
+            grey: false,
+            bits: 8,
+            dpi: params.dpi(frame.pixel_aspect),
+            transform: ViewTransform::None,
+        };
+        let color = Cow::Borrowed(outcome.color.as_ref()?);
+        Some(Self::shown(color, form))
+    }
+
+    /// The drawing on its paper, of pixels `pixel_aspect` times as wide as high.
+    pub(crate) fn drawn(outcome: &'a Outcome, params: &Params, pixel_aspect: f32) -> Option<Self> {
+        let strokes = params.line.strokes;
+        let is_bilevel = strokes.ink == Ink::Bilevel;
+        let has_size = params.size.is_some() || strokes.dpi.is_some();
+        let dpi = strokes.print_dpi();
+        let form = Form::Shown {
+            grey: true,
+            bits: if is_bilevel { 1 } else { 8 },
+            dpi: (is_bilevel || has_size).then_some([dpi / pixel_aspect, dpi]),
+            transform: transform(params.display.view_transform),
+        };
+        let color = match &outcome.drawing {
+            Some(drawing) => Cow::Owned(on_paper(&drawing.layers())),
+            None => Cow::Borrowed(outcome.color.as_ref()?),
+        };
+        Some(Self::shown(color, form))
+    }
+
     /// Colours of something other than light.
-    pub(super) fn shown(color: Cow<'a, ColorPlanes>, form: Form) -> Self {
+    pub(crate) fn shown(color: Cow<'a, ColorPlanes>, form: Form) -> Self {
         Self {
             color,
             before: None,
@@ -59,16 +112,17 @@ impl<'a> MadePicture<'a> {
     }
 
     /// Whether the exposure is still to be chosen: AgX and Filmic have room for bright light, and linear numbers stay.
-    pub(crate) fn leaves_exposure(&self, work: &WorkArgs) -> bool {
-        work.flags.params.display.exposure == Exposure::Auto
-            && work.output.view_transform == View::Standard
+    pub(crate) fn leaves_exposure(&self, display: &DisplayParams) -> bool {
+        let (exposure, view) = (display.exposure, display.view_transform);
+        exposure == Exposure::Auto
+            && matches!(view, DisplayView::Standard | DisplayView::Srgb)
             && self.before.is_none()
             && self.form == Form::Light
     }
 
     /// Automatic exposure in stops for this surface; `None` where it is given.
-    pub(crate) fn exposure(&self, work: &WorkArgs, mask: &Mask) -> Option<f32> {
-        self.leaves_exposure(work).then(|| {
+    pub(crate) fn exposure(&self, display: &DisplayParams, mask: &Mask) -> Option<f32> {
+        self.leaves_exposure(display).then(|| {
             let mut brightness = Brightness::default();
             brightness.add(&self.color, self.like, mask, 0..mask.height());
             brightness.exposure()
@@ -85,7 +139,7 @@ pub(crate) struct Displayed<'a> {
     /// How linear light is stored.
     bits: u8,
     dpi: Option<[f32; 2]>,
-    view: View,
+    view: DisplayView,
     exposure: f32,
     highlights: Highlights,
 }
@@ -117,8 +171,8 @@ impl Displayed<'_> {
             };
         }
         let bright = match (self.view, self.highlights, &self.before) {
-            (View::Agx, ..) => Bright::Agx,
-            (View::Filmic, ..) => Bright::Filmic,
+            (DisplayView::Agx, ..) => Bright::Agx,
+            (DisplayView::Filmic, ..) => Bright::Filmic,
             (_, Highlights::Clip, _) => Bright::Clipped,
             (_, Highlights::Compress, None) => Bright::Compressed,
             (_, Highlights::Compress, Some(before)) => Bright::ChangedFrom(before),
@@ -131,16 +185,24 @@ impl Displayed<'_> {
                 exposure: self.exposure,
                 bright,
             },
-            ..Picture::of(&self.color, self.view.transform())
+            ..Picture::of(&self.color, transform(self.view))
         }
     }
 }
 
-impl WorkArgs {
-    /// Pixels per inch as given, across and down.
-    pub(crate) fn dpi(&self, frame: &Frame) -> Option<[f32; 2]> {
-        let dpi = self.flags.params.line.strokes.dpi?;
-        Some([dpi / frame.pixel_aspect, dpi])
+/// The encoding of values for a display.
+fn transform(view: DisplayView) -> ViewTransform {
+    match view {
+        DisplayView::None => ViewTransform::None,
+        _ => ViewTransform::Srgb,
+    }
+}
+
+impl Params {
+    /// Pixels per inch as given, across and down, of pixels so many times as wide as high.
+    pub(crate) fn dpi(&self, pixel_aspect: f32) -> Option<[f32; 2]> {
+        let dpi = self.line.strokes.dpi?;
+        Some([dpi / pixel_aspect, dpi])
     }
 
     /// A result for a display, light in so many `bits` and converted from the file's primaries; `chosen` is the exposure
@@ -154,17 +216,17 @@ impl WorkArgs {
         chosen: Option<f32>,
     ) -> Displayed<'a> {
         let made = made.printed();
-        let view = self.output.view_transform;
+        let DisplayParams {
+            exposure,
+            highlights,
+            view_transform: view,
+        } = self.display;
         let turn = primaries.and_then(rec709_from);
-        let turn = turn.filter(|_| view != View::None && made.form == Form::Light);
+        let turn = turn.filter(|_| view != DisplayView::None && made.form == Form::Light);
         let turned = |color: Cow<'a, ColorPlanes>| match turn {
             Some(matrix) => Cow::Owned(converted(&color, matrix)),
             None => color,
         };
-        let DisplayParams {
-            exposure,
-            highlights,
-        } = self.flags.params.display;
         let exposure = match exposure {
             Exposure::Auto => chosen.unwrap_or(0.0),
             Exposure::Stops(stops) => stops,
@@ -175,23 +237,10 @@ impl WorkArgs {
             alpha: frame.alpha.as_ref(),
             form: made.form,
             bits,
-            dpi: self.dpi(frame),
+            dpi: self.dpi(frame.pixel_aspect),
             view,
             exposure,
             highlights,
-        }
-    }
-}
-
-/// Blends the picture made of `frame` with its own by the requested share, overall and per pixel.
-pub(super) fn mix_color(work: &WorkArgs, frame: &Frame, outcome: &mut Outcome) {
-    if let Some(made) = &mut outcome.color {
-        let params = &work.flags.params;
-        let before = frame.color.as_ref();
-        mix(made, before, frame.strength.as_ref(), params.mix);
-        if let Some(confidence) = &frame.confidence {
-            let kept = confidence.map(|confidence| 1.0 - params.blur_fade * (1.0 - confidence));
-            mix(made, before, Some(&kept), 1.0);
         }
     }
 }

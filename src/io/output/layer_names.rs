@@ -4,26 +4,24 @@
 //! channel named by one letter. Others take everything before the last dot as the layer. So the picture and vectors of
 //! three components are layers, and each other number is a layer of its own with the channel `V`.
 
-use crate::command::args::LayerNames;
 use crate::product::PART;
 
-impl LayerNames {
-    /// The channel name for the `short` name in our tables: `normal.x`, `curvature.kappa`, `relievo.R`.
-    ///
-    /// A picture in a file of its own keeps the bare `R`, `G`, `B` and `A`.
-    pub(crate) fn of(self, short: &str) -> String {
-        let (Self::Full, Some((layer, component))) = (self, short.rsplit_once('.')) else {
-            return short.into();
-        };
-        match (layer, component) {
-            (PART, _) => format!("{PART}.Picture.{component}"),
-            ("normal", _) => format!("{PART}.Normal.{component}"),
-            _ => format!("{PART}.{}{}.V", in_capitals(layer), in_capitals(component)),
-        }
+/// The channel name for the `short` name in our tables: `normal.x`, `curvature.kappa`, `relievo.R`.
+///
+/// A picture in a file of its own keeps the bare `R`, `G`, `B` and `A`.
+pub(crate) fn full_name(short: &str) -> String {
+    let Some((layer, component)) = short.rsplit_once('.') else {
+        return short.into();
+    };
+    match (layer, component) {
+        (PART, _) => format!("{PART}.Picture.{component}"),
+        ("normal", _) => format!("{PART}.Normal.{component}"),
+        _ => format!("{PART}.{}{}.V", in_capitals(layer), in_capitals(component)),
     }
 }
 
 /// Names that select a channel: its full name, its layer, and each word of it.
+#[cfg(feature = "cli")]
 pub(crate) fn names_of(channel: &str) -> impl Iterator<Item = &str> {
     let layer = channel.rsplit_once('.').map(|(layer, _)| layer);
     std::iter::once(channel)
@@ -61,7 +59,7 @@ mod tests {
             "weights.confidence",
         ];
         let short: Vec<String> = products.chain(others.map(String::from)).collect();
-        let mut full: Vec<String> = short.iter().map(|name| LayerNames::Full.of(name)).collect();
+        let mut full: Vec<String> = short.iter().map(|name| full_name(name)).collect();
         for name in &full {
             let words: Vec<&str> = name.split('.').collect();
             assert_eq!(
@@ -81,8 +79,7 @@ mod tests {
             ("direction_view.x", "relievo.DirectionViewX.V"),
             ("G", "G"),
         ] {
-            assert_eq!(LayerNames::Full.of(short), full);
-            assert_eq!(LayerNames::Short.of(short), short);
+            assert_eq!(full_name(short), full);
         }
     }
 }
