@@ -8,7 +8,7 @@ use super::panics::caught;
 use super::sheet;
 use super::stop::{self, First};
 use super::threads::on_threads;
-use crate::command::batch::Batch;
+use crate::command::batch::PictureBatch;
 use crate::command::invocation::Task;
 use crate::error::{Error, Result};
 use crate::io::output::{check_folder, directory_of};
@@ -27,7 +27,7 @@ pub(super) fn run(task: &Task) -> Result<i32> {
     }
 }
 
-fn each(batch: &Batch, task: &Task) -> Result<i32> {
+fn each(batch: &PictureBatch, task: &Task) -> Result<i32> {
     stop::mind_signals(First::Finish);
     let own = batch.inputs().map(|input| own(batch, input, task));
     let all = own.collect::<Result<Vec<_>>>()?;
@@ -58,8 +58,8 @@ fn each(batch: &Batch, task: &Task) -> Result<i32> {
 }
 
 /// The command for one picture.
-fn own(batch: &Batch, input: &Path, task: &Task) -> Result<Task> {
-    let name = Batch::name_of(input)?;
+fn own(batch: &PictureBatch, input: &Path, task: &Task) -> Result<Task> {
+    let name = PictureBatch::name_of(input)?;
     let named = task.typed.named(&name).parse();
     let mut own = named.unwrap_or_else(|error| error.exit());
     batch.give(input, name, own.command.work_mut().args_mut());

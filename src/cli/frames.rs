@@ -7,7 +7,7 @@ use super::kit::Kit;
 use super::make::make;
 use super::message;
 use super::panics::caught;
-use super::progress::{Progress, Status};
+use super::progress::{SequenceProgress, Status};
 use super::run_log::RunLog;
 use super::stop::{self, First};
 use super::threads::{Lanes, on_threads};
@@ -21,7 +21,7 @@ use crate::command::recipe::SAMPLE_FRAMES;
 use crate::command::sequence::MissingArg;
 use crate::error::Result;
 use crate::io::output::{Files, is_whole, write_text};
-use crate::work::Work;
+use crate::work::FrameWork;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -68,7 +68,7 @@ pub(super) fn begin(task: &Task) -> Result<()> {
 }
 
 /// Refuses invalid arguments of a command.
-pub(super) fn validate(work: &dyn Work) -> Result<()> {
+pub(super) fn validate(work: &dyn FrameWork) -> Result<()> {
     work.args().flags.validate()?;
     let args = work.args();
     args.output.refuse_idle(&args.flags.params)?;
@@ -164,7 +164,7 @@ fn sequence(task: &Task, frames: &[i32], make: Make) -> Result<i32> {
     }
     let quiet = args.run.quiet;
     let kit = Kit::of(task.command.work())?;
-    let progress = Progress::begin(args.run.progress, quiet, frames.len());
+    let progress = SequenceProgress::begin(args.run.progress, quiet, frames.len());
     let log = RunLog::of_sequence(progress);
     let run = Sequence {
         task: &task,

@@ -28,7 +28,7 @@ impl Job<'_> {
     }
 
     /// Refuses lines that are not finite.
-    pub(super) fn check_lines(&self, drawing: &svg::Drawing) -> Result<()> {
+    pub(super) fn check_lines(&self, drawing: &svg::LinePage) -> Result<()> {
         let is_finite = |(points, widths): &svg::Line| {
             points.iter().all(|p| p.is_finite()) && widths.iter().all(|width| width.is_finite())
         };

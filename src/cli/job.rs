@@ -5,7 +5,7 @@ use super::explained;
 use super::message;
 use super::output::{NextRows, ReadyOutput, attributes};
 use super::run_log::RunLog;
-use super::timings::Timings;
+use super::timings::FrameTimings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
@@ -27,7 +27,7 @@ use crate::io::svg;
 use crate::io::{Holding, InputFiles, Loaded, Needs};
 use crate::plan::{Decision, Plan};
 use crate::untrusted::shown;
-use crate::work::Work;
+use crate::work::FrameWork;
 use crate::work::shape::held_gain;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -85,7 +85,7 @@ impl<'a> Job<'a> {
     }
 
     /// What the command does.
-    pub(super) fn work(&self) -> &dyn Work {
+    pub(super) fn work(&self) -> &dyn FrameWork {
         self.command.work()
     }
 
@@ -267,7 +267,12 @@ impl<'a> Job<'a> {
     }
 
     /// Explains what ran, once for each frame that is explained.
-    pub(super) fn explain(&self, timings: &Timings, chosen: &Chosen, whites: Whites) -> Result<()> {
+    pub(super) fn explain(
+        &self,
+        timings: &FrameTimings,
+        chosen: &Chosen,
+        whites: Whites,
+    ) -> Result<()> {
         let mut decisions = self
             .decisions
             .lock()
@@ -380,7 +385,7 @@ impl<'a> Job<'a> {
             cell.keep_channels(self.args(), &all.outcome, &channels);
             return Ok(chosen);
         }
-        let mut timings = Timings::of(loaded, read);
+        let mut timings = FrameTimings::of(loaded, read);
         timings.add_all(&layers.outcome);
         self.write_output(&chosen, |output| {
             let mut writing = Duration::ZERO;
@@ -452,7 +457,7 @@ impl<'a> Job<'a> {
     }
 
     /// Writes a drawing in lines and ends the frame.
-    pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<Chosen> {
+    pub(super) fn write_svg(&self, done: &Done, drawing: &svg::LinePage) -> Result<Chosen> {
         self.write(done, done.chosen(), |ReadyOutput { path, replace }| {
             self.check_lines(drawing)?;
             write_atomically(path, replace, |w| svg::write_svg(w, path, drawing))?;
@@ -467,7 +472,7 @@ impl<'a> Job<'a> {
         chosen: Chosen,
         write: impl FnOnce(ReadyOutput) -> Result<Whites>,
     ) -> Result<Chosen> {
-        let mut timings = Timings::of(&done.loaded, done.read);
+        let mut timings = FrameTimings::of(&done.loaded, done.read);
         timings.add_all(&done.outcome);
         let whites = self.write_output(&chosen, |output| {
             let start = Instant::now();
@@ -522,7 +527,7 @@ impl<'a> Job<'a> {
     }
 
     /// Writes the timings, where they are asked for.
-    pub(super) fn write_timings(&self, timings: &Timings) -> Result<()> {
+    pub(super) fn write_timings(&self, timings: &FrameTimings) -> Result<()> {
         let Some(path) = &self.args().run.timings else {
             return Ok(());
         };

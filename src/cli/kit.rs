@@ -10,8 +10,8 @@ use crate::io::Loaded;
 use crate::light::lights::Illumination;
 use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::work::source::Source;
-use crate::work::{Work, light_of};
+use crate::work::source::FrameSource;
+use crate::work::{FrameWork, light_of};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -35,7 +35,7 @@ struct Course {
 }
 
 impl Kit {
-    pub(super) fn of(work: &dyn Work) -> Result<Self> {
+    pub(super) fn of(work: &dyn FrameWork) -> Result<Self> {
         let (light, warning) = light_of(work)?;
         let convention = work.motion().and_then(|motion| motion.convention());
         Ok(Self {
@@ -54,8 +54,8 @@ impl Kit {
     /// What mirrors and lenses show in a frame.
     pub(super) fn scene(
         &self,
-        work: &dyn Work,
-        source: &Source,
+        work: &dyn FrameWork,
+        source: &FrameSource,
         loaded: &mut Loaded,
     ) -> Result<Option<SpecularScene>> {
         let named = source.specular.as_ref();

@@ -15,8 +15,8 @@ use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::output::OutputKind;
 use crate::work::map::MapSamples;
-use crate::work::source::Source;
-use crate::work::{Made, Seen, is_svg, shape};
+use crate::work::source::FrameSource;
+use crate::work::{FrameSeen, Results, is_svg, shape};
 use std::time::Instant;
 
 /// Makes the output of one frame; returns the parameters chosen for it.
@@ -25,7 +25,7 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
     let warnings = work.warnings();
     let warnings = kit.warning.iter().chain(&warnings);
     warnings.for_each(|warning| job.warn(warning));
-    let mut source = Source::of(work, &kit.light, job.is_in_sequence())?;
+    let mut source = FrameSource::of(work, &kit.light, job.is_in_sequence())?;
     if let Some(motion) = work.motion().filter(|_| job.follows()) {
         source.needs.motion = true;
         source.inputs.motion = motion.layer();
@@ -61,12 +61,12 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
     made.warnings.extend(work.warnings_on(&loaded.frame));
     made.warnings.iter().for_each(|warning| job.warn(warning));
     let moves = job.is_in_sequence() && work.motion().is_some();
-    let mut seen = Seen {
+    let mut seen = FrameSeen {
         times,
         moves,
         is_specular: scene.is_some(),
         is_in_sequence: job.is_in_sequence(),
-        ..Seen::new(&loaded.frame, &kit.light)
+        ..FrameSeen::new(&loaded.frame, &kit.light)
     };
     let (mut plans, light) = (work.plans(&mut seen)?, seen.light);
     look_at_depth(&mut loaded);
@@ -105,7 +105,7 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
     job.keep_picture_alone(&kit.engine, &mut made.outcome);
     let params = &job.args().flags.params;
     made.outcome.mix(&loaded.frame, times, params);
-    let Made {
+    let Results {
         outcome,
         maps,
         notes,

@@ -55,7 +55,7 @@ impl Tally {
 }
 
 /// Shows the progress of a sequence.
-pub(super) struct Progress {
+pub(super) struct SequenceProgress {
     shown: Shown,
     total: usize,
     started: Instant,
@@ -69,7 +69,7 @@ enum Shown {
     Nothing,
 }
 
-impl Progress {
+impl SequenceProgress {
     pub(super) fn begin(arg: ProgressArg, quiet: bool, total: usize) -> Self {
         let shown = match arg {
             ProgressArg::None => Shown::Nothing,

@@ -1,7 +1,7 @@
 //! The message log of a run: keeps the output of parallel frames in frame order.
 
 use super::message;
-use super::progress::{Progress, Status, Tally};
+use super::progress::{SequenceProgress, Status, Tally};
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::sync::{Condvar, Mutex, MutexGuard};
@@ -10,13 +10,13 @@ use std::time::Duration;
 /// The one voice of all frames of a run.
 #[derive(Default)]
 pub(super) struct RunLog {
-    progress: Option<Progress>,
+    progress: Option<SequenceProgress>,
     said: Mutex<BTreeSet<String>>,
     pub(super) turns: Turns,
 }
 
 impl RunLog {
-    pub(super) fn of_sequence(progress: Progress) -> Self {
+    pub(super) fn of_sequence(progress: SequenceProgress) -> Self {
         Self {
             progress: Some(progress),
             ..Self::default()

@@ -114,7 +114,7 @@ fn array_bytes(job: &Job) -> u64 {
 
 /// Memory needed for a picture in strips, in bytes.
 #[derive(Clone, Copy)]
-pub(super) struct Cost {
+pub(super) struct StripMemory {
     /// Independent of the strips.
     fixed: u64,
     /// For each row of a strip.
@@ -127,7 +127,7 @@ pub(super) struct Cost {
     height: usize,
 }
 
-impl Cost {
+impl StripMemory {
     /// The memory of the picture of `job`, which has so many rows, and of what is gathered of it.
     pub(super) fn new(
         job: &Job,
@@ -185,7 +185,7 @@ impl Cost {
 }
 
 /// How a picture is cut, as memory allows.
-pub(super) fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips> {
+pub(super) fn strips_of(job: &Job, cost: StripMemory, reach: usize) -> Result<Strips> {
     let (least, most) = (cost.least(reach), job.args().run.max_memory.bytes());
     let rows = cost.rows_in(allowed(job).max(least));
     let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);

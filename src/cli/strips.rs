@@ -4,8 +4,8 @@ use super::job::Job;
 use super::kit::Kit;
 use super::output::ReadyOutput;
 use super::progress::strips_bar;
-use super::strip_memory::{Cost, FEWEST_ROWS, strips_of, whole_bytes};
-use super::timings::Timings;
+use super::strip_memory::{FEWEST_ROWS, StripMemory, strips_of, whole_bytes};
+use super::timings::FrameTimings;
 use crate::command::chosen::Chosen;
 use crate::engine;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
@@ -20,8 +20,8 @@ use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Whites};
 use crate::io::{Holding, InputFiles, Loaded, Needs, program_bytes};
 use crate::plan::Plan;
-use crate::work::source::Source;
-use crate::work::{Seen, Work};
+use crate::work::source::FrameSource;
+use crate::work::{FrameSeen, FrameWork};
 use indicatif::ProgressBar;
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -36,9 +36,9 @@ struct StripSource<'a> {
     whole: Window,
     strips: Strips,
     kit: &'a Kit,
-    work: &'a dyn Work,
+    work: &'a dyn FrameWork,
     found: StripChoice,
-    timings: RefCell<Timings>,
+    timings: RefCell<FrameTimings>,
 }
 
 impl StripSource<'_> {
@@ -76,9 +76,9 @@ impl StripSource<'_> {
 }
 
 /// Makes the picture of `job` in strips: bit for bit what it would be as a whole.
-pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
+pub(super) fn make(kit: &Kit, job: &Job, source: FrameSource) -> Result<Chosen> {
     let work = job.work();
-    let Source {
+    let FrameSource {
         mut inputs, needs, ..
     } = source;
     let holding = Holding {
@@ -111,7 +111,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
     let pixel = Window::at(corner.x0, corner.y0, 1, 1);
     sample.frame = sample.frame.crop(pixel);
     let gathered = gathered(kit, job, &sample, &first, whole)?;
-    let cost = Cost::new(job, whole.height(), photo_bytes, gathered.as_ref());
+    let cost = StripMemory::new(job, whole.height(), photo_bytes, gathered.as_ref());
     let mut source = StripSource {
         files,
         inputs,
@@ -121,7 +121,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
         kit,
         work,
         found: StripChoice::default(),
-        timings: RefCell::new(Timings::of_window(whole)),
+        timings: RefCell::new(FrameTimings::of_window(whole)),
     };
     source.found = choose(&source, job, &first)?;
     job.note_gain(&first, source.found.gain);
@@ -189,17 +189,17 @@ fn exposure(source: &StripSource, job: &Job, sample: &MadePicture) -> Result<Opt
 }
 
 /// The plan for a picture or a strip of it, with what was found in the whole.
-fn plan(work: &dyn Work, kit: &Kit, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
-    let mut seen = Seen {
+fn plan(work: &dyn FrameWork, kit: &Kit, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
+    let mut seen = FrameSeen {
         found: Cow::Borrowed(found),
-        ..Seen::new(&strip.frame, &kit.light)
+        ..FrameSeen::new(&strip.frame, &kit.light)
     };
     let plans = work.plans(&mut seen)?;
     Ok(plans.into_iter().next().expect("one plan makes a picture"))
 }
 
 /// The result of a strip.
-fn run(work: &dyn Work, kit: &Kit, plan: &Plan, strip: &Frame) -> Result<Outcome> {
+fn run(work: &dyn FrameWork, kit: &Kit, plan: &Plan, strip: &Frame) -> Result<Outcome> {
     let runner = kit.engine.cpu_runner();
     let mut outcome = runner.execute(plan, strip, engine::Inputs::lit_by(&kit.light))?;
     outcome.mix(strip, 1.0, &work.args().flags.params);
@@ -210,7 +210,7 @@ fn run(work: &dyn Work, kit: &Kit, plan: &Plan, strip: &Frame) -> Result<Outcome
 fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> Result<Loaded> {
     let extent = files.extent(inputs, needs)?;
     let height = extent.window.height();
-    let cost = Cost::new(job, height, extent.photo_bytes, None);
+    let cost = StripMemory::new(job, height, extent.photo_bytes, None);
     let rows = cost.rows_allowed(job).max(FEWEST_ROWS).min(height);
     let first = (height - rows) / 2;
     inputs.rows = Some(first..first + rows);

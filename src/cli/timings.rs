@@ -10,7 +10,7 @@ use std::time::Duration;
 pub(super) const NORMALS: &str = "normals";
 
 /// How long the stages of a frame took.
-pub(super) struct Timings {
+pub(super) struct FrameTimings {
     /// Columns and rows.
     size: [usize; 2],
     /// Pixels that show a surface.
@@ -22,7 +22,7 @@ pub(super) struct Timings {
     is_sharp: bool,
 }
 
-impl Timings {
+impl FrameTimings {
     /// Of a frame that took so long to read, with its normals where they were made.
     pub(super) fn of(loaded: &Loaded, read: Duration) -> Self {
         let frame = &loaded.frame;

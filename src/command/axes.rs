@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 /// Axes of normals, named by who writes them so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Axes {
+pub(crate) enum NormalAxes {
     /// x right, y up, z toward the viewer: view space.
     OpenGl,
     /// y down.
@@ -21,7 +21,7 @@ pub(crate) enum Axes {
     Xy,
 }
 
-impl Axes {
+impl NormalAxes {
     pub(crate) const ALL: [(Self, &'static str); 6] = [
         (Self::OpenGl, "opengl"),
         (Self::DirectX, "directx"),

@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 
 /// Several pictures, and their output folder unless the output name has a placeholder.
 #[derive(Debug, Clone)]
-pub(crate) struct Batch {
+pub(crate) struct PictureBatch {
     inputs: Vec<PathBuf>,
     folder: Option<PathBuf>,
     /// The output as given, with its placeholders.
     pattern: Option<PathBuf>,
 }
 
-impl Batch {
+impl PictureBatch {
     /// The pictures, in their order.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.inputs.iter().map(PathBuf::as_path)
@@ -62,7 +62,7 @@ impl WorkArgs {
     ///
     /// # Errors
     /// [`Error::BadParameter`] for a single file shared by all pictures, and for frames combined with several pictures.
-    pub(crate) fn batch(&self) -> Result<Option<Batch>> {
+    pub(crate) fn batch(&self) -> Result<Option<PictureBatch>> {
         let output = self.output.output.as_deref();
         let folder = output.filter(|output| self.is_folder(output));
         let has_name = |path: &Path| path.to_string_lossy().contains(NAME);
@@ -92,7 +92,7 @@ impl WorkArgs {
             None => {}
         }
         let first = std::iter::once(&self.input);
-        Ok(Some(Batch {
+        Ok(Some(PictureBatch {
             inputs: first.chain(&self.more).cloned().collect(),
             folder: folder.map(Path::to_path_buf),
             pattern: output.map(Path::to_path_buf),

@@ -1,7 +1,7 @@
 //! The arguments of `map` and `normals`, and the maps that they name.
 
 use super::args::WorkArgs;
-use super::axes::Axes;
+use super::axes::NormalAxes;
 use super::flags::Section;
 use crate::params::words::one_of;
 use crate::params::{Group, Scale};
@@ -22,10 +22,10 @@ pub(crate) struct MapArgs {
         value_name = "MAP,..",
         value_delimiter = ',',
         default_value = "curvature",
-        value_parser = one_of(Map::ALL.map(|map| (map, map.name()))),
+        value_parser = one_of(MapKind::ALL.map(|map| (map, map.name()))),
         help_heading = "Maps"
     )]
-    pub(crate) maps: Vec<Map>,
+    pub(crate) maps: Vec<MapKind>,
     /// Bits of a sample: 8 or 16 in PNG and TIFF, 16 by default in PNG; 32 in TIFF, by default: the numbers themselves, as
     /// in .npy.
     #[arg(long, value_name = "8|16|32", value_parser = ["8", "16", "32"], help_heading = "Maps")]
@@ -37,10 +37,10 @@ pub(crate) struct MapArgs {
         long = "as",
         value_name = "AXES",
         default_value = "opengl",
-        value_parser = one_of(Axes::ALL),
+        value_parser = one_of(NormalAxes::ALL),
         help_heading = "Maps"
     )]
-    pub(crate) axes: Axes,
+    pub(crate) axes: NormalAxes,
     /// Normal map of a detail that is laid over the normals, turned with them: of one size with IN, and read as IN is.
     #[arg(
         hide_short_help = true,
@@ -67,7 +67,7 @@ pub(crate) struct MapArgs {
 
 /// A map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Map {
+pub(crate) enum MapKind {
     /// Mapped curvature: 0.5 is flat, brighter convex, darker concave.
     Curvature,
     /// Its convex part: 0 is flat, 1 sharply convex.
@@ -88,15 +88,15 @@ pub(crate) enum Map {
 
 /// One map that is made.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Part {
+pub(crate) struct MapPart {
     /// Its name in files and channels.
     pub(crate) name: String,
-    pub(crate) map: Map,
+    pub(crate) map: MapKind,
     /// Index of the scale or radius it shows; `None` for a map of neither, or of the sum of all scales.
     pub(crate) scale: Option<usize>,
 }
 
-impl Map {
+impl MapKind {
     const ALL: [Self; 8] = [
         Self::Curvature,
         Self::Convex,
@@ -130,7 +130,7 @@ impl Map {
 impl MapArgs {
     /// Whether this plane of a map is a component of normals.
     pub(crate) fn is_of_normals(&self, plane: &str) -> bool {
-        self.maps.contains(&Map::Normals) && plane.starts_with("normal.")
+        self.maps.contains(&MapKind::Normals) && plane.starts_with("normal.")
     }
 
     /// Bits of a sample of a picture.
@@ -160,16 +160,16 @@ impl MapArgs {
     }
 
     /// The maps, each at each scale unless scales are added up.
-    pub(crate) fn parts(&self) -> Vec<Part> {
+    pub(crate) fn parts(&self) -> Vec<MapPart> {
         let (sigmas, radii) = (self.sigmas(), &self.work.flags.radii[..]);
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<MapPart> = Vec::new();
         for &map in &self.maps {
             let sizes = match map {
-                Map::Occlusion => radii,
+                MapKind::Occlusion => radii,
                 _ if map.has_scales() && self.sum.is_empty() => &sigmas,
                 _ => &[],
             };
-            let one = |scale: Option<usize>, name: String| Part { name, map, scale };
+            let one = |scale: Option<usize>, name: String| MapPart { name, map, scale };
             match sizes.len() > 1 {
                 true => parts.extend(
                     sizes

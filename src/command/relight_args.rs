@@ -43,7 +43,7 @@ pub(crate) struct LightFlags {
     /// A light far away: degrees counterclockwise from the right of the picture, degrees from the picture
     /// plane toward the viewer, colour. Repeatable.
     #[arg(long, value_name = "AZ,EL[,R,G,B]", allow_hyphen_values = true)]
-    pub(crate) light: Vec<Numbers<2>>,
+    pub(crate) light: Vec<LightNumbers<2>>,
     /// A round light far away: as --light, with its radius in degrees. Repeatable.
     #[arg(
         hide_short_help = true,
@@ -51,7 +51,7 @@ pub(crate) struct LightFlags {
         value_name = "AZ,EL,RADIUS[,R,G,B]",
         allow_hyphen_values = true
     )]
-    pub(crate) area_light: Vec<Numbers<3>>,
+    pub(crate) area_light: Vec<LightNumbers<3>>,
     /// A light near the surface, in view space and the units of depth: x right, y up, the eye at 0 looking
     /// toward -z; the colour is that at a distance of 1. Repeatable.
     #[arg(
@@ -60,7 +60,7 @@ pub(crate) struct LightFlags {
         value_name = "X,Y,Z[,R,G,B]",
         allow_hyphen_values = true
     )]
-    pub(crate) point_light: Vec<Numbers<3>>,
+    pub(crate) point_light: Vec<LightNumbers<3>>,
     /// Light from all around, attached to the view: latitude-longitude map, mirror ball or cube cross.
     #[arg(long, value_name = "FILE")]
     pub(crate) environment: Option<PathBuf>,
@@ -80,9 +80,9 @@ pub(crate) struct SurfaceFlags {
 
 /// N numbers and an optional colour, separated by commas.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Numbers<const N: usize>(pub(crate) [f32; N], pub(crate) Option<[f32; 3]>);
+pub(crate) struct LightNumbers<const N: usize>(pub(crate) [f32; N], pub(crate) Option<[f32; 3]>);
 
-impl<const N: usize> FromStr for Numbers<N> {
+impl<const N: usize> FromStr for LightNumbers<N> {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -102,7 +102,7 @@ impl<const N: usize> FromStr for Numbers<N> {
     }
 }
 
-impl<const N: usize> Numbers<N> {
+impl<const N: usize> LightNumbers<N> {
     /// The colour, white where none is given.
     pub(crate) fn color(&self) -> [f32; 3] {
         self.1.unwrap_or([1.0; 3])

@@ -21,12 +21,12 @@ pub struct Setting {
     /// Default value, if there is one.
     pub default: Option<String>,
     /// How it is chosen.
-    pub kind: Kind,
+    pub kind: SettingKind,
 }
 
 /// How a setting is chosen.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Kind {
+pub enum SettingKind {
     /// On or off.
     Switch,
     /// One of these words.
@@ -75,9 +75,9 @@ fn setting(arg: &Arg) -> Option<Setting> {
 }
 
 /// A slider, for parameters with a useful range.
-fn slider(row: &Param) -> Option<Kind> {
+fn slider(row: &Param) -> Option<SettingKind> {
     match row.kind {
-        params::Kind::Number { whole, word } => Some(Kind::Number {
+        params::Kind::Number { whole, word } => Some(SettingKind::Number {
             range: row.useful?,
             is_whole: whole,
             word: word.map(String::from),
@@ -86,17 +86,17 @@ fn slider(row: &Param) -> Option<Kind> {
     }
 }
 
-fn kind(arg: &Arg) -> Kind {
+fn kind(arg: &Arg) -> SettingKind {
     if is_switch(arg) {
-        return Kind::Switch;
+        return SettingKind::Switch;
     }
     let possible = arg.get_possible_values();
     if !possible.is_empty() {
         let words = possible.iter().map(|value| value.get_name().to_string());
-        return Kind::Choice(words.collect());
+        return SettingKind::Choice(words.collect());
     }
     let forms = arg.get_value_names().unwrap_or_default();
-    Kind::Text {
+    SettingKind::Text {
         form: forms.first().map_or("", |form| form.as_str()).into(),
         is_repeatable: is_repeatable(arg),
     }
@@ -119,7 +119,7 @@ mod tests {
             let setting = all.iter().find(|setting| setting.name == row.name());
             let setting = setting.unwrap_or_else(|| panic!("no command has {}", row.flag));
             assert_eq!(setting.family, row.group.name(), "{}", row.flag);
-            let has_slider = matches!(setting.kind, Kind::Number { .. });
+            let has_slider = matches!(setting.kind, SettingKind::Number { .. });
             assert_eq!(has_slider, row.useful.is_some(), "{}", row.flag);
         }
     }
@@ -128,18 +128,18 @@ mod tests {
     fn kinds_follow_the_flags() {
         let all = all();
         let of = |name: &str| all.iter().find(|s| s.name == name).unwrap();
-        assert_eq!(of("thin").kind, Kind::Switch);
-        assert!(matches!(&of("method").kind, Kind::Choice(words) if words.len() == 5));
+        assert_eq!(of("thin").kind, SettingKind::Switch);
+        assert!(matches!(&of("method").kind, SettingKind::Choice(words) if words.len() == 5));
         assert!(matches!(
             &of("light").kind,
-            Kind::Text {
+            SettingKind::Text {
                 is_repeatable: true,
                 ..
             }
         ));
         assert_eq!(of("environment-rotate").unit, "\u{b0}");
         assert_eq!(of("scale").unit, "px");
-        let Kind::Number { is_whole, word, .. } = &of("curvature-gain").kind else {
+        let SettingKind::Number { is_whole, word, .. } = &of("curvature-gain").kind else {
             panic!("a gain is a number");
         };
         assert_eq!((is_whole, word.as_deref()), (&false, Some("auto")));

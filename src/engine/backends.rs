@@ -11,7 +11,7 @@ use crate::engine::gpu::fault::Fault;
 use crate::engine::gpu::{Choice, Device};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::engine::part::Part;
+use crate::engine::part::FramePart;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
@@ -191,7 +191,7 @@ impl Engine {
             run.finish(frame, &outcome)?;
             return Ok(outcome);
         };
-        let part = Part::around(region, plan, frame, inputs)?;
+        let part = FramePart::around(region, plan, frame, inputs)?;
         let inputs = part.inputs(inputs);
         let mut outcome =
             run.install(|| self.execute_here(&part.plan, &part.frame, inputs, run))?;

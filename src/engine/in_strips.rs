@@ -4,7 +4,7 @@ use crate::engine::backends::Engine;
 use crate::engine::cpu::strips::StripSearch;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, add_timings};
-use crate::engine::part::Part;
+use crate::engine::part::FramePart;
 use crate::engine::run::Run;
 use crate::engine::tiles::{Strips, rows_of};
 use crate::error::{Error, Result};
@@ -142,9 +142,9 @@ fn part_of(
     inputs: Inputs,
     takes: &Range<usize>,
     gives: &Range<usize>,
-) -> Result<Part> {
+) -> Result<FramePart> {
     let rows = takes.start + gives.start..takes.start + gives.end;
-    Part::around(rows_of(frame.data_window, &rows), plan, frame, inputs)
+    FramePart::around(rows_of(frame.data_window, &rows), plan, frame, inputs)
 }
 
 #[cfg(test)]

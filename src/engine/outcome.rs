@@ -226,27 +226,27 @@ pub struct Outcome {
     /// The time of each pass, in order.
     pub timings: Vec<(&'static str, Duration)>,
     /// How it goes to a file, if a request was run.
-    pub(crate) sheet: Option<Box<Sheet>>,
+    pub(crate) sheet: Option<Box<FileSheet>>,
 }
 
 /// What files of an outcome take beside its planes.
 #[derive(Debug, Clone)]
-pub(crate) struct Sheet {
+pub(crate) struct FileSheet {
     pub(crate) params: Params,
     pub(crate) shows: Shows,
     /// That of the frame, enlarged as the drawing is.
-    pub(crate) extent: Extent,
+    pub(crate) extent: PageExtent,
 }
 
 /// The windows of a result.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Extent {
+pub(crate) struct PageExtent {
     pub(crate) data_window: Window,
     pub(crate) display_window: Window,
     pub(crate) pixel_aspect: f32,
 }
 
-impl From<&Frame> for Extent {
+impl From<&Frame> for PageExtent {
     fn from(frame: &Frame) -> Self {
         Self {
             data_window: frame.data_window,
@@ -521,7 +521,7 @@ impl Outcome {
         if shows != Shows::Curvature {
             self.mix(frame, times, params);
         }
-        self.sheet = Some(Box::new(Sheet {
+        self.sheet = Some(Box::new(FileSheet {
             params: *params,
             shows,
             extent: frame.into(),

@@ -7,7 +7,7 @@ use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::plan::Plan;
 
 /// A region with a margin of the plan's reach.
-pub(crate) struct Part {
+pub(crate) struct FramePart {
     pub(crate) frame: Frame,
     /// The plan for it, which counts no repetition of a tile.
     pub(crate) plan: Plan,
@@ -16,7 +16,7 @@ pub(crate) struct Part {
     motion: Option<Vector2Planes>,
 }
 
-impl Part {
+impl FramePart {
     /// # Errors
     /// [`Error::Unfit`] for a region that is not inside the frame, and for inputs that do not fit the plan.
     pub(crate) fn around(

@@ -1,6 +1,6 @@
 //! Scenes from arrays.
 
-use super::from_depth::{OfDepth, Seen, check_heights};
+use super::from_depth::{OfDepth, SurfaceSeen, check_heights};
 use super::given::Given;
 use super::scene::Scene;
 use super::work::Work;
@@ -31,12 +31,12 @@ impl Given<'_> {
         // Outlives the samples that are borrowed from it.
         let of_depth;
         let stored = inputs.depth_kind;
-        let Seen {
+        let SurfaceSeen {
             normals,
             depth,
             camera,
         } = match self.normal.take() {
-            Some(normal) => Seen {
+            Some(normal) => SurfaceSeen {
                 normals: as_stored(normal, self.normal_is_unsigned, &inputs, camera.as_ref())?,
                 depth: (self.depth.take()).map(|d| (d, stored.unwrap_or(StoredDepth::Planar))),
                 camera,

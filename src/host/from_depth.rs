@@ -6,7 +6,7 @@ use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Window};
 use crate::io::from_depth::{DepthAlone, ShownByDepth};
 
 /// The normals of a frame, and what belongs to them.
-pub(super) struct Seen<'a> {
+pub(super) struct SurfaceSeen<'a> {
     pub(super) normals: Normals<'a>,
     pub(super) depth: Option<(Samples<'a>, StoredDepth)>,
     pub(super) camera: Option<Camera>,
@@ -76,7 +76,7 @@ impl OfDepth {
     }
 
     /// It as samples; depth that is not scaled stays that which was given.
-    pub(super) fn seen<'a>(&'a self, given: Option<Samples<'a>>) -> Seen<'a> {
+    pub(super) fn seen<'a>(&'a self, given: Option<Samples<'a>>) -> SurfaceSeen<'a> {
         let ShownByDepth {
             normal,
             stored,
@@ -84,7 +84,7 @@ impl OfDepth {
             ..
         } = &self.shown;
         let given = given.filter(|_| *stored != StoredDepth::Height);
-        Seen {
+        SurfaceSeen {
             normals: Normals::view([&normal.x, &normal.y, &normal.z]),
             depth: Some((given.unwrap_or_else(|| (&self.depth).into()), *stored)),
             camera: *camera,

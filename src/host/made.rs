@@ -11,7 +11,7 @@ use crate::work;
 /// What a command has made of a scene.
 #[derive(Debug, Default)]
 pub struct Made {
-    pub(super) made: work::Made,
+    pub(super) made: work::Results,
     /// A drawing as the text of an SVG, if lines were asked for.
     pub svg: Option<String>,
     /// Warnings about inputs and settings.
@@ -24,7 +24,7 @@ pub struct Made {
 
 /// A named plane, or several of one vector.
 #[derive(Debug)]
-pub struct Layer<'a> {
+pub struct MadeLayer<'a> {
     /// Its name: of a product, a map, or a kind of stroke.
     pub name: String,
     /// Its components.
@@ -40,7 +40,7 @@ impl Made {
     }
 
     /// Layers: of the descriptor, maps, or coverage by the strokes of a drawing.
-    pub fn layers(&self) -> Vec<Layer<'_>> {
+    pub fn layers(&self) -> Vec<MadeLayer<'_>> {
         let maps = self
             .made
             .planes
@@ -59,7 +59,7 @@ impl Made {
         let asked = asked.map(|plane| layer("tone", vec![plane]));
         let scales = self.made.outcome.shape.more_scales.iter();
         let further = scales.flat_map(|scale| {
-            Product::all().map(|product| Layer {
+            Product::all().map(|product| MadeLayer {
                 sigma_px: Some(scale.sigma_px),
                 ..layer(&name_of(product), scale.planes(product))
             })
@@ -94,8 +94,8 @@ fn name_of(product: Product) -> String {
 }
 
 /// A layer at the first scale.
-fn layer<'a>(name: &str, planes: Vec<&'a Plane>) -> Layer<'a> {
-    Layer {
+fn layer<'a>(name: &str, planes: Vec<&'a Plane>) -> MadeLayer<'a> {
+    MadeLayer {
         name: name.into(),
         planes,
         sigma_px: None,

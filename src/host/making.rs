@@ -10,7 +10,7 @@ use crate::frame::{Frame, Mask, Plane};
 use crate::io::picture::pixels;
 use crate::io::wrapped;
 use crate::work::making::Making;
-use crate::work::source::Source;
+use crate::work::source::FrameSource;
 use std::sync::Arc;
 
 impl Work {
@@ -20,7 +20,7 @@ impl Work {
     /// As [`crate::io::load`].
     pub fn load(&self, file: &File, held: Option<Arc<Scene>>) -> Result<Arc<Scene>> {
         let command = self.task.command.of_frame(file.number);
-        let source = Source::of(command.work(), &self.light, file.number.is_some())?;
+        let source = FrameSource::of(command.work(), &self.light, file.number.is_some())?;
         if let Some(held) = held.filter(|held| held.source.as_ref() == Some(&source)) {
             return Ok(held);
         }

@@ -34,10 +34,10 @@ mod work;
 /// The most threads that an engine may have.
 pub const MOST_THREADS: u16 = crate::command::args::MOST_THREADS;
 
-pub use crate::command::setting::{Kind, Setting, settings_of};
+pub use crate::command::setting::{Setting, SettingKind, settings_of};
 pub use fault::without_fault;
 pub use given::Given;
-pub use made::{Layer, Made};
+pub use made::{Made, MadeLayer};
 pub use scene::{File, Scene};
 pub use sequence::{chosen_for_all, frames_of};
 pub use thumbnail::thumbnail;

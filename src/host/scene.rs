@@ -4,7 +4,7 @@ use crate::command::chosen::Chosen;
 use crate::frame::{Frame, Plane, SpecularScene};
 use crate::io::Finding;
 use crate::io::colorspace::Chromaticities;
-use crate::work::source::Source;
+use crate::work::source::FrameSource;
 use std::path::PathBuf;
 
 /// A file as input: a picture, or one frame of a sequence, whose name has a placeholder for the number.
@@ -33,7 +33,7 @@ pub struct Scene {
     /// Choices made in reading it.
     pub(super) chosen: Chosen,
     /// What it was read from, if from files.
-    pub(super) source: Option<Source>,
+    pub(super) source: Option<FrameSource>,
 }
 
 impl Scene {

@@ -67,7 +67,7 @@ impl Work {
         Ok(self)
     }
 
-    pub(super) fn work(&self) -> &dyn crate::work::Work {
+    pub(super) fn work(&self) -> &dyn crate::work::FrameWork {
         self.task.command.work()
     }
 

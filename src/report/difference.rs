@@ -9,7 +9,7 @@ const CODES_PER_LEVEL: f64 = 257.0;
 
 /// Differences of two pictures over the pixels that count: of each pixel the largest of its channels, in levels of 255.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(crate) struct Difference {
+pub(crate) struct CodeDifference {
     /// What half of the pixels do not exceed.
     pub p50: f64,
     /// What 99 of 100 pixels do not exceed.
@@ -21,7 +21,7 @@ pub(crate) struct Difference {
     pub beyond_2: f64,
 }
 
-impl Difference {
+impl CodeDifference {
     /// The difference of two pictures of one size, over the pixels for which `counts`; none is no difference.
     pub(super) fn between(a: &Codes, b: &Codes, counts: &[bool]) -> Self {
         let mut histogram = vec![0_usize; usize::from(u16::MAX) + 1];
@@ -79,12 +79,12 @@ mod tests {
             _ => at(12_850),
         });
         let counts: Vec<bool> = (0..101).map(|i| i < 100).collect();
-        let found = Difference::between(&a, &b.collect(), &counts);
+        let found = CodeDifference::between(&a, &b.collect(), &counts);
         assert_eq!(found.p50, 0.0);
         assert_eq!(found.p99, 385.0 / 257.0);
         assert_eq!(found.largest, 3.0);
         assert_eq!((found.beyond_1, found.beyond_2), (0.4, 0.01));
-        let nothing = Difference::between(&a, &a, &[false]);
-        assert_eq!(nothing, Difference::default());
+        let nothing = CodeDifference::between(&a, &a, &[false]);
+        assert_eq!(nothing, CodeDifference::default());
     }
 }

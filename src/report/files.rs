@@ -1,10 +1,10 @@
 //! The picture as a file: how large each kind is, how long it takes to write, and how far it is from the picture.
 
-use super::Stored;
+use super::StoredReport;
 use super::clock::timed;
-use super::difference::{Codes, Difference};
+use super::difference::{CodeDifference, Codes};
 use super::page::{level, png};
-use super::subject::{Shot, Subject};
+use super::subject::{ReportSubject, Shot};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::exr::{
@@ -32,7 +32,11 @@ const KINDS: [(&str, OutputType, OutputCompression); 6] = [
 ///
 /// # Errors
 /// [`Error::Io`] where temporary files cannot be written.
-pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<Vec<Stored>> {
+pub(super) fn files(
+    subject: &ReportSubject,
+    given: &Shot,
+    counts: &[bool],
+) -> Result<Vec<StoredReport>> {
     let (bytes, used) = timed(|| png(given.size, &given.codes));
     let rounded = |code: &u16| 257 * u16::from(level(code));
     let shown: Codes = given
@@ -40,10 +44,10 @@ pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<
         .iter()
         .map(|code| code.each_ref().map(rounded))
         .collect();
-    let mut files = vec![Stored {
+    let mut files = vec![StoredReport {
         flags: "-o .png".into(),
         bytes: bytes.len() as u64,
-        error: Difference::between(&given.codes, &shown, counts),
+        error: CodeDifference::between(&given.codes, &shown, counts),
         used,
     }];
     let Some(color) = given.made.outcome.picture() else {
@@ -64,10 +68,10 @@ pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<
         };
         let takes_picture = given.made.outcome.takes_picture;
         let shown = subject.displayed(ColorPlanes { r, g, b }, takes_picture);
-        files.push(Stored {
+        files.push(StoredReport {
             flags: format!("-o .exr {flags}"),
             bytes: file.as_file().metadata().map_or(0, |data| data.len()),
-            error: Difference::between(&given.codes, &shown.unwrap_or_default(), counts),
+            error: CodeDifference::between(&given.codes, &shown.unwrap_or_default(), counts),
             used,
         });
     }
@@ -75,7 +79,7 @@ pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<
 }
 
 fn part<'a>(
-    subject: &Subject,
+    subject: &ReportSubject,
     color: &'a ColorPlanes,
     sample_type: OutputType,
     compression: OutputCompression,

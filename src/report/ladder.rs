@@ -1,6 +1,6 @@
 //! Settings that trade quality for time, each on its ladder. Looks are no trades: they stay as they are.
 
-use super::subject::{BACKEND, Subject, Variation};
+use super::subject::{BACKEND, ReportSubject, Variation};
 use crate::command::commands::Command;
 use crate::params::{Samples, Scale, Solver};
 
@@ -17,7 +17,7 @@ pub(super) struct Ladder {
 }
 
 /// The ladders of a command on its frame.
-pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
+pub(super) fn ladders(subject: &ReportSubject) -> Vec<Ladder> {
     let shape = &subject.command.work().args().flags.params.shape;
     let plan = subject.plan(&subject.command);
     let diffuses = plan.as_ref().map_or(shape.diffusion_time() > 0.0, |plan| {

@@ -1,6 +1,6 @@
 //! What the command could go without: each input and each stage left out in turn.
 
-use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Removal, Subject, Variation};
+use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Removal, ReportSubject, Variation};
 use crate::command::commands::Command;
 use crate::engine::Outcome;
 use crate::frame::LightLayers;
@@ -39,7 +39,7 @@ fn stage(name: &'static str, setting: &'static str, value: impl ToString) -> Omi
 const NEVER: &str = "1e29,1e30";
 
 /// What can be left out of the command as given, which made `outcome`.
-pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
+pub(super) fn parts(subject: &ReportSubject, outcome: &Outcome) -> Vec<Omission> {
     let (command, frame) = (&subject.command, &subject.frame);
     let params = &command.work().args().flags.params;
     let ran = |stage: &str| outcome.timings.iter().any(|(name, _)| *name == stage);
@@ -92,7 +92,7 @@ pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
 }
 
 /// The shape that it brings out.
-fn of_command(subject: &Subject) -> Option<Omission> {
+fn of_command(subject: &ReportSubject) -> Option<Omission> {
     let part = match &subject.command {
         Command::Enhance(_) => stage("enhance", "scaling", 0),
         Command::Relight(args) if args.params().method != Method::Plain => {

@@ -1,12 +1,12 @@
 //! The runs of a report: the command as given, its ladders, what is left out, and rounds of all of them.
 
 use super::clock::Spent;
-use super::difference::{Codes, Difference};
+use super::difference::{CodeDifference, Codes};
 use super::files::files;
 use super::ladder::{Ladder, ladders, references};
 use super::left_out::{self, parts};
-use super::subject::{Shot, Subject, Variation};
-use super::timing::{Cost, Timed, rounds};
+use super::subject::{ReportSubject, Shot, Variation};
+use super::timing::{Timed, TimedCost, rounds};
 use super::verdict::{mark_front, verdict};
 use super::{Asked, HARDLY, LeftOut, On, Pictures, Reference, Report, Tried};
 use crate::error::Result;
@@ -25,7 +25,7 @@ const TRYING: f64 = 0.5;
 /// A run that is compared, and timed.
 struct Candidate {
     change: Variation,
-    difference: Difference,
+    difference: CodeDifference,
     first: Spent,
     chosen: Option<String>,
     /// Whether it is timed in rounds.
@@ -38,13 +38,13 @@ struct Trades {
     candidates: Vec<Candidate>,
     same_stages: Vec<String>,
     reference: Option<Reference>,
-    error_of_given: Difference,
+    error_of_given: CodeDifference,
     /// Of each pixel as given, in levels.
     errors: Vec<f32>,
 }
 
 struct Measuring<'a> {
-    subject: Subject,
+    subject: ReportSubject,
     given: Shot,
     counts: Vec<bool>,
     began: Instant,
@@ -59,7 +59,7 @@ struct Measuring<'a> {
 pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let began = Instant::now();
     let say = asked.progress;
-    let subject = Subject::read(asked.args, asked.typed, asked.number)?;
+    let subject = ReportSubject::read(asked.args, asked.typed, asked.number)?;
     let usual = USUAL_S[usize::from(subject.light.environment.is_some())];
     let budget = Duration::from_secs(asked.args.budget.unwrap_or(usual).into());
     say("the command as given");
@@ -92,7 +92,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
         is_on_front: false,
         chosen,
     };
-    let given = Cost::of_given(times.given);
+    let given = TimedCost::of_given(times.given);
     let given = tried(
         String::new(),
         trades.error_of_given,
@@ -181,7 +181,7 @@ impl Measuring<'_> {
         let truth = self.subject.shot(&best)?;
         (self.say)("the same at half its effort");
         let near = self.subject.shot(&half)?;
-        let off = |codes: &Codes| Difference::between(&truth.codes, codes, &self.counts);
+        let off = |codes: &Codes| CodeDifference::between(&truth.codes, codes, &self.counts);
         trades.reference = Some(Reference {
             flags: best.flags(),
             own: off(&near.codes),
@@ -227,7 +227,7 @@ impl Measuring<'_> {
         let without = |part: left_out::Omission| {
             (self.say)(&format!("without {}", part.name));
             let shot = self.subject.shot(&part.change)?;
-            let difference = Difference::between(&self.given.codes, &shot.codes, &self.counts);
+            let difference = CodeDifference::between(&self.given.codes, &shot.codes, &self.counts);
             self.subject.engine.recycle(shot.made.outcome);
             let candidate = Candidate {
                 change: part.change.clone(),
@@ -262,11 +262,11 @@ impl Measuring<'_> {
 }
 
 /// The cost of each candidate, in rounds or once.
-fn costs(candidates: &[&Candidate], times: &Timed) -> Vec<Cost> {
+fn costs(candidates: &[&Candidate], times: &Timed) -> Vec<TimedCost> {
     let mut in_rounds = times.others.iter();
     let cost = |candidate: &&Candidate| match candidate.is_timed {
         true => *in_rounds.next().expect("all of these are timed"),
-        false => Cost::once(candidate.first),
+        false => TimedCost::once(candidate.first),
     };
     candidates.iter().map(cost).collect()
 }

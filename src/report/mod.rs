@@ -25,9 +25,9 @@ pub(crate) use text::lines;
 use crate::command::commands::ReportArgs;
 use crate::command::flags::Flag;
 use clock::Spent;
-use difference::{Codes, Difference};
+use difference::{CodeDifference, Codes};
 use serde::Serialize;
-use timing::{Cost, Trust};
+use timing::{TimedCost, Trust};
 
 /// An error that nobody sees, for 99 of 100 pixels, in grey levels.
 const SEEN: f64 = 2.0;
@@ -56,7 +56,7 @@ pub(crate) struct Report {
     pub stages: Vec<(&'static str, f64)>,
     pub read: Spent,
     /// Kinds of files of the picture: a PNG first.
-    pub files: Vec<Stored>,
+    pub files: Vec<StoredReport>,
     pub trust: Trust,
     pub warnings: Vec<String>,
     #[serde(skip)]
@@ -88,7 +88,7 @@ pub(crate) struct Advice {
 pub(crate) struct Reference {
     pub flags: String,
     /// Its own error: its difference from half its effort.
-    pub own: Difference,
+    pub own: CodeDifference,
 }
 
 /// One value of one setting.
@@ -96,8 +96,8 @@ pub(crate) struct Reference {
 pub(crate) struct Tried {
     /// As typed; empty for the command as given.
     pub flags: String,
-    pub error: Difference,
-    pub cost: Cost,
+    pub error: CodeDifference,
+    pub cost: TimedCost,
     /// Whether nothing else is both quicker and more exact.
     pub is_on_front: bool,
     /// What it chose by itself.
@@ -111,18 +111,18 @@ pub(crate) struct LeftOut {
     pub name: &'static str,
     pub flags: String,
     /// Difference of the picture without it from the one as given.
-    pub change: Difference,
-    pub cost: Cost,
+    pub change: CodeDifference,
+    pub cost: TimedCost,
 }
 
 /// The picture as a file.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Stored {
+pub(crate) struct StoredReport {
     /// As typed.
     pub flags: String,
     pub bytes: u64,
     /// Difference from the picture as made.
-    pub error: Difference,
+    pub error: CodeDifference,
     /// Writing it, once.
     pub used: Spent,
 }

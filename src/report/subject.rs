@@ -18,8 +18,8 @@ use crate::light::lights::Illumination;
 use crate::params::{Parameters, Solver};
 use crate::plan::Plan;
 use crate::work::making::Making;
-use crate::work::source::Source;
-use crate::work::{Made, light_of};
+use crate::work::source::FrameSource;
+use crate::work::{Results, light_of};
 use std::ffi::OsString;
 
 /// Stands for the output, a picture: nothing is written there.
@@ -32,7 +32,7 @@ const DEFAULT: &str = "enhance";
 pub(super) const BACKEND: &str = "backend";
 
 /// A command, what it reads, and its light.
-pub(super) struct Subject {
+pub(super) struct ReportSubject {
     typed: Invocation,
     /// As typed, but for the program, the input and the output.
     pub(super) words: Vec<String>,
@@ -94,11 +94,11 @@ impl Variation {
 pub(super) struct Shot {
     pub(super) codes: Codes,
     pub(super) size: [usize; 2],
-    pub(super) made: Made,
+    pub(super) made: Results,
     pub(super) used: Spent,
 }
 
-impl Subject {
+impl ReportSubject {
     /// Reads the frame for the command of a report; `typed` are settings given to the report itself.
     ///
     /// # Errors
@@ -140,7 +140,7 @@ impl Subject {
             BackendArg::Cpu => Some(Engine::auto()).filter(Engine::has_device),
             _ => engine.has_device().then(Engine::cpu),
         };
-        let source = Source::of(work, &light, number.is_some())?;
+        let source = FrameSource::of(work, &light, number.is_some())?;
         let (loaded, read) = timed(|| source.load(work));
         let (mut loaded, specular) = loaded?;
         look_at_depth(&mut loaded);
@@ -240,13 +240,13 @@ impl Subject {
     /// A picture in place of the one that the command makes, as a display has it: where it takes the frame's picture for its
     /// albedo, as bright as that.
     pub(super) fn displayed(&self, color: ColorPlanes, takes_picture: bool) -> Option<Codes> {
-        let made = Made {
+        let made = Results {
             outcome: Outcome {
                 color: Some(color),
                 takes_picture,
                 ..Outcome::default()
             },
-            ..Made::default()
+            ..Results::default()
         };
         let shown = self
             .making(&self.command, &self.frame)

@@ -1,6 +1,6 @@
 //! A report for the terminal, on one screen.
 
-use super::{HARDLY, LeftOut, Report, Stored, Tried};
+use super::{HARDLY, LeftOut, Report, StoredReport, Tried};
 use crate::untrusted::Untrusted;
 
 /// Milliseconds to three digits.
@@ -163,7 +163,7 @@ pub(super) fn cells_of_setting(setting: &Tried) -> [String; 8] {
 pub(super) const FILE: [&str; 5] = ["file of the picture", "MB", "CPU ms", "p99", "max"];
 
 /// A row of that table.
-pub(super) fn cells_of_file(file: &Stored) -> [String; 5] {
+pub(super) fn cells_of_file(file: &StoredReport) -> [String; 5] {
     let megabytes = file.bytes as f64 / 1e6;
     let [size, p99, max] =
         [megabytes, file.error.p99, file.error.largest].map(|v| format!("{v:.2}"));

@@ -28,7 +28,7 @@ pub(crate) struct Trust {
 
 /// The time of a run that was changed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Cost {
+pub(crate) struct TimedCost {
     pub cpu_ms: f64,
     pub wall_ms: f64,
     /// CPU time saved against the command as given; negative if it takes longer, 0 where there is no difference.
@@ -37,7 +37,7 @@ pub(crate) struct Cost {
     pub is_in_rounds: bool,
 }
 
-impl Cost {
+impl TimedCost {
     /// That of the command as given, which all others are compared with.
     pub(super) fn of_given(used: Spent) -> Self {
         Self {
@@ -60,7 +60,7 @@ impl Cost {
 /// What rounds found: the time of the command as given, of each other run, and how far to trust them.
 pub(super) struct Timed {
     pub(super) given: Spent,
-    pub(super) others: Vec<Cost>,
+    pub(super) others: Vec<TimedCost>,
     pub(super) trust: Trust,
 }
 
@@ -146,7 +146,7 @@ pub(super) fn rounds(
             }
         };
         let is_told = saved.abs() >= TOLD_APART * disagreement_ms;
-        Cost {
+        TimedCost {
             cpu_ms: (given.cpu_ms - saved).max(0.0),
             wall_ms,
             saved_ms: if is_told { saved } else { 0.0 },

@@ -106,20 +106,20 @@ pub(super) fn verdict(settings: &[Tried], own_error: f64, shows: Option<f64>) ->
 
 #[cfg(test)]
 mod tests {
-    use super::super::difference::Difference;
-    use super::super::timing::Cost;
+    use super::super::difference::CodeDifference;
+    use super::super::timing::TimedCost;
     use super::*;
 
     /// A setting by its time saved of 100 ms, and its error: of 99 of 100 pixels, and the largest.
     fn setting(flags: &str, saved_ms: f64, p99: f64, largest: f64) -> Tried {
         Tried {
             flags: flags.into(),
-            error: Difference {
+            error: CodeDifference {
                 p99,
                 largest,
-                ..Difference::default()
+                ..CodeDifference::default()
             },
-            cost: Cost {
+            cost: TimedCost {
                 cpu_ms: 100.0 - saved_ms,
                 wall_ms: 100.0 - saved_ms,
                 saved_ms,

@@ -1,8 +1,8 @@
 //! What keys and buttons do, and files that are dropped or chosen.
 
 use super::app::View;
-use super::files::Purpose;
-use super::layer::Layer;
+use super::files::FilePurpose;
+use super::layer::ShownLayer;
 use super::lights::make_way;
 use super::shortcuts::Action;
 use eframe::egui::Context;
@@ -16,10 +16,10 @@ impl View {
         }
         for (purpose, path) in self.files.chosen() {
             match purpose {
-                Purpose::Open => self.open(&path),
-                Purpose::SaveRecipe => self.save_recipe(&path),
-                Purpose::SavePicture => self.save_picture(&path),
-                Purpose::Setting(name) => {
+                FilePurpose::Open => self.open(&path),
+                FilePurpose::SaveRecipe => self.save_recipe(&path),
+                FilePurpose::SavePicture => self.save_picture(&path),
+                FilePurpose::Setting(name) => {
                     make_way(&mut self.look, name);
                     self.look.set(name, Some(path.display().to_string()));
                 }
@@ -29,9 +29,9 @@ impl View {
 
     pub(super) fn act(&mut self, context: &Context, action: Action) {
         match action {
-            Action::Open => self.browse(context, Purpose::Open),
-            Action::SavePicture => self.browse(context, Purpose::SavePicture),
-            Action::SaveRecipe => self.browse(context, Purpose::SaveRecipe),
+            Action::Open => self.browse(context, FilePurpose::Open),
+            Action::SavePicture => self.browse(context, FilePurpose::SavePicture),
+            Action::SaveRecipe => self.browse(context, FilePurpose::SaveRecipe),
             Action::CopyCommand => {
                 if let Some(line) = self.command_line() {
                     context.copy_text(line);
@@ -42,7 +42,7 @@ impl View {
             Action::Redo => self.look = self.history.redo().unwrap_or(self.look.clone()),
             Action::Split => self.is_split = !self.is_split,
             Action::Before => self.is_before = !self.is_before,
-            Action::Lines => match Layer::all(self.look.command()).any(Layer::is_drawn) {
+            Action::Lines => match ShownLayer::all(self.look.command()).any(ShownLayer::is_drawn) {
                 true => self.layer = self.layer.next_lines(),
                 false => self.say("lines alone are layers of hatch".into(), false),
             },
@@ -65,7 +65,7 @@ impl View {
     }
 
     /// Opens a dialog for a file.
-    pub(super) fn browse(&self, context: &Context, purpose: Purpose) {
+    pub(super) fn browse(&self, context: &Context, purpose: FilePurpose) {
         let waker = context.clone();
         let wake = move || waker.request_repaint();
         self.files.ask(purpose, self.input(), wake);
@@ -77,7 +77,7 @@ impl View {
     }
 
     fn step_layer(&mut self, by: isize) {
-        let layers: Vec<_> = Layer::all(self.look.command()).collect();
+        let layers: Vec<_> = ShownLayer::all(self.look.command()).collect();
         let index = layers.iter().position(|&layer| layer == self.layer);
         let index = index.unwrap_or(0) as isize + by;
         self.layer = layers[index.rem_euclid(layers.len() as isize) as usize];

@@ -1,22 +1,22 @@
 //! The window: its state and layout.
 
-use super::canvas::{Canvas, Painted};
+use super::canvas::{Painted, ViewCanvas};
 use super::controls::Controls;
-use super::files::{self, Files, Purpose};
+use super::files::{self, FileDialogs, FilePurpose};
 use super::gallery::gallery;
 use super::handles::{Place, handles};
 use super::history::History;
-use super::layer::Layer;
+use super::layer::ShownLayer;
 use super::lights::Lights;
 use super::look::{LightFile, Look, Opening, Reading};
 use super::notices::Notices;
 use super::overlay;
 use super::picks::Picks;
-use super::probe::Value;
+use super::probe::ProbedValue;
 use super::shortcuts;
-use super::texture::Texture;
+use super::texture::ViewTexture;
 use super::thumbnails::Thumbnails;
-use super::worker::{Order, Reply, Save, Shown, Task, Wanted, Worker};
+use super::worker::{Order, Reply, Save, ShownPicture, ViewTask, Wanted, Worker};
 use crate::command::frames_there::frames_on_disk;
 use eframe::egui::{
     CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, Vec2, vec2,
@@ -45,7 +45,7 @@ struct Ordered {
 pub struct View {
     pub(super) look: Look,
     pub(super) history: History,
-    pub(super) layer: Layer,
+    pub(super) layer: ShownLayer,
     pub(super) is_split: bool,
     /// Whether the picture before stands in place of the other.
     pub(super) is_before: bool,
@@ -55,17 +55,17 @@ pub struct View {
     pub(super) is_helping: bool,
     pub(super) frames: Option<Vec<i32>>,
     pub(super) frame_index: usize,
-    pub(super) shown: Option<Box<Shown>>,
+    pub(super) shown: Option<Box<ShownPicture>>,
     pub(super) said: Option<Notice>,
     pub(super) notices: Notices,
     pub(super) zoom: f32,
     pub(super) hides_handles: bool,
     input: Option<PathBuf>,
     controls: Controls,
-    pub(super) canvas: Canvas,
-    textures: [Option<Texture>; 2],
+    pub(super) canvas: ViewCanvas,
+    textures: [Option<ViewTexture>; 2],
     worker: Worker,
-    pub(super) files: Files,
+    pub(super) files: FileDialogs,
     ordered: Option<Ordered>,
     saving: usize,
     /// Whether a place is looked for, for a new light near the surface.
@@ -74,7 +74,7 @@ pub struct View {
     light_files: Vec<LightFile>,
     changed: Option<String>,
     /// The pixel probed last, and its values once they arrive.
-    pub(super) probed: Option<([usize; 2], Option<Vec<Value>>)>,
+    pub(super) probed: Option<([usize; 2], Option<Vec<ProbedValue>>)>,
 }
 
 impl View {
@@ -89,7 +89,7 @@ impl View {
         let mut view = Self {
             history: History::new(opening.look.clone()),
             look: opening.look,
-            layer: Layer::default(),
+            layer: ShownLayer::default(),
             is_split: false,
             is_before: false,
             is_choosing: false,
@@ -104,12 +104,12 @@ impl View {
             hides_handles: false,
             input: None,
             controls: Controls::default(),
-            canvas: Canvas::default(),
+            canvas: ViewCanvas::default(),
             textures: [None, None],
             worker: Worker::start(opening.engine, opening.save, move || {
                 waker.request_repaint()
             }),
-            files: Files::new(),
+            files: FileDialogs::new(),
             ordered: None,
             saving: 0,
             is_placing: false,
@@ -146,7 +146,7 @@ impl View {
         self.frame_index = 0;
         self.input = Some(path.to_path_buf());
         self.light_files.clear();
-        self.worker.ask(Task::Search(path.to_path_buf()));
+        self.worker.ask(ViewTask::Search(path.to_path_buf()));
         self.canvas.fit();
         self.probed = None;
     }
@@ -181,8 +181,8 @@ impl View {
             let (is_open, look) = (&mut self.is_choosing, &mut self.look);
             gallery(&context, is_open, look, &reading, &mut self.thumbnails);
         }
-        if !Layer::all(self.look.command()).any(|layer| layer == self.layer) {
-            self.layer = Layer::Picture;
+        if !ShownLayer::all(self.look.command()).any(|layer| layer == self.layer) {
+            self.layer = ShownLayer::Picture;
         }
         let (is_held, is_scrolling) = context.input(|input| {
             let is_scrolling = input.smooth_scroll_delta() != Vec2::ZERO;
@@ -199,7 +199,7 @@ impl View {
         self.ask(is_changing);
         if let Some(wanted) = self.thumbnails.order(is_changing) {
             self.worker
-                .ask_all(wanted.into_iter().map(Task::Small).collect());
+                .ask_all(wanted.into_iter().map(ViewTask::Small).collect());
         }
     }
 
@@ -218,10 +218,10 @@ impl View {
         }
         if let Some(reading) = reading.filter(|_| changes.adds_near) {
             self.is_placing = true;
-            self.worker.ask(Task::Place(self.look.clone(), reading));
+            self.worker.ask(ViewTask::Place(self.look.clone(), reading));
         }
         if let Some(setting) = changes.browses {
-            self.browse(ui.ctx(), Purpose::Setting(setting));
+            self.browse(ui.ctx(), FilePurpose::Setting(setting));
         }
     }
 
@@ -245,7 +245,7 @@ impl View {
         if self.is_before && before.is_some() {
             let at = area.left_top() + vec2(20.0, 20.0);
             overlay::caption(&ui.painter_at(area), at, "before");
-        } else if self.layer == Layer::Picture && !self.hides_handles {
+        } else if self.layer == ShownLayer::Picture && !self.hides_handles {
             let place = Place {
                 area,
                 picture: seen.rect,
@@ -270,7 +270,7 @@ impl View {
         {
             let last = self.probed.take().and_then(|(_, values)| values);
             self.probed = Some((pixel, last));
-            self.worker.ask(Task::Probe(pixel));
+            self.worker.ask(ViewTask::Probe(pixel));
         }
         if let Some((pixel, Some(values))) = &self.probed {
             overlay::values(ui, area, *pixel, values);
@@ -301,7 +301,7 @@ impl View {
             .ordered
             .as_ref()
             .map_or(0, |ordered| ordered.number + 1);
-        self.worker.ask(Task::Show(Order {
+        self.worker.ask(ViewTask::Show(Order {
             number,
             wanted: wanted.clone(),
             changed: self.changed.clone(),
@@ -323,18 +323,18 @@ impl View {
                 Reply::Shown(shown) => {
                     self.meet(shown.number);
                     let [picture, before] = &mut self.textures;
-                    *picture = Some(Texture::of(context, &shown.pixels, picture.take()));
+                    *picture = Some(ViewTexture::of(context, &shown.pixels, picture.take()));
                     *before = shown
                         .before
                         .as_ref()
-                        .map(|pixels| Texture::of(context, pixels, before.take()));
+                        .map(|pixels| ViewTexture::of(context, pixels, before.take()));
                     if self.said.as_ref().is_some_and(|said| said.is_error) {
                         self.said = None;
                     }
                     self.shown = Some(shown);
                     // Values at the probed pixel may have changed.
                     if let Some((pixel, _)) = &self.probed {
-                        self.worker.ask(Task::Probe(*pixel));
+                        self.worker.ask(ViewTask::Probe(*pixel));
                     }
                 }
                 Reply::Failed(number, said) => {
@@ -416,7 +416,7 @@ impl View {
     fn save(&mut self, save: Save, path: &Path) {
         if let Some(reading) = self.reading() {
             self.saving += 1;
-            let task = Task::Save(save, self.look.clone(), reading, path.to_path_buf());
+            let task = ViewTask::Save(save, self.look.clone(), reading, path.to_path_buf());
             self.worker.ask(task);
         }
     }

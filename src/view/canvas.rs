@@ -1,7 +1,7 @@
 //! The picture: zoomed about the pointer, dragged about, split by a divider.
 
 use super::arrows::Arrow;
-use super::texture::Texture;
+use super::texture::ViewTexture;
 use eframe::egui::{
     Color32, CursorIcon, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2,
     vec2,
@@ -16,7 +16,7 @@ const GRIP: f32 = 7.0;
 
 /// Zoom, pan and divider of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Canvas {
+pub(super) struct ViewCanvas {
     /// Points per pixel; `None` fits the whole picture.
     zoom: Option<f32>,
     /// The point of the picture at the centre of the canvas, in shares of its size.
@@ -26,7 +26,7 @@ pub(super) struct Canvas {
     holds_divider: bool,
 }
 
-impl Default for Canvas {
+impl Default for ViewCanvas {
     fn default() -> Self {
         Self {
             zoom: None,
@@ -39,9 +39,9 @@ impl Default for Canvas {
 
 /// The content of the canvas.
 pub(super) struct Painted<'a> {
-    pub(super) picture: &'a Texture,
+    pub(super) picture: &'a ViewTexture,
     /// The picture shown left of the divider, or in place of the other.
-    pub(super) before: Option<&'a Texture>,
+    pub(super) before: Option<&'a ViewTexture>,
     pub(super) is_split: bool,
     pub(super) arrows: &'a [Arrow],
     /// Size of the whole picture; `picture` may hold fewer pixels.
@@ -59,7 +59,7 @@ pub(super) struct Seen {
     pub(super) rect: Rect,
 }
 
-impl Canvas {
+impl ViewCanvas {
     /// Fits the whole picture.
     pub(super) fn fit(&mut self) {
         self.zoom = None;

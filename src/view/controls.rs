@@ -2,7 +2,7 @@
 
 use super::light_rows::light_rows;
 use super::lights::LIGHTS;
-use super::look::{INPUTS, Kind, Look, Setting};
+use super::look::{INPUTS, Look, Setting, SettingKind};
 use super::picks::{Picks, leads, picks};
 use super::setting_row::{Changes, help_of, name_of, reset};
 use crate::params::Useful;
@@ -112,7 +112,7 @@ impl Controls {
         ui.horizontal(|ui| {
             let label = name_of(ui, look, setting);
             let made = match &setting.kind {
-                Kind::Switch => {
+                SettingKind::Switch => {
                     let mut is_on = value.is_some();
                     let switch = ui.checkbox(&mut is_on, "");
                     if switch.changed() {
@@ -120,8 +120,8 @@ impl Controls {
                     }
                     switch
                 }
-                Kind::Choice(words) => choice(ui, look, setting, words, current.as_deref()),
-                Kind::Number {
+                SettingKind::Choice(words) => choice(ui, look, setting, words, current.as_deref()),
+                SettingKind::Number {
                     range,
                     is_whole,
                     word,
@@ -133,7 +133,7 @@ impl Controls {
                     current.as_deref(),
                     chosen,
                 ),
-                Kind::Text {
+                SettingKind::Text {
                     form,
                     is_repeatable,
                 } => self.text(ui, look, setting, form, *is_repeatable),
@@ -220,7 +220,7 @@ fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
         // Text fields come after sliders and choices.
         settings.sort_by_key(|setting| match setting.kind {
             _ if leads(&setting.name) => 0,
-            Kind::Text { .. } => 2,
+            SettingKind::Text { .. } => 2,
             _ => 1,
         });
     }

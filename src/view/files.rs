@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// The use of a chosen file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Purpose {
+pub(super) enum FilePurpose {
     Open,
     SaveRecipe,
     SavePicture,
@@ -15,12 +15,12 @@ pub(super) enum Purpose {
 }
 
 /// Open dialogs, and files chosen in them.
-pub(super) struct Files {
-    sender: Sender<(Purpose, PathBuf)>,
-    chosen: Receiver<(Purpose, PathBuf)>,
+pub(super) struct FileDialogs {
+    sender: Sender<(FilePurpose, PathBuf)>,
+    chosen: Receiver<(FilePurpose, PathBuf)>,
 }
 
-impl Files {
+impl FileDialogs {
     pub(super) fn new() -> Self {
         let (sender, chosen) = channel();
         Self { sender, chosen }
@@ -29,7 +29,7 @@ impl Files {
     /// Opens a dialog, next to the open picture `beside`; `wake` is called once a file is chosen.
     pub(super) fn ask(
         &self,
-        purpose: Purpose,
+        purpose: FilePurpose,
         beside: Option<&Path>,
         wake: impl Fn() + Send + 'static,
     ) {
@@ -45,16 +45,16 @@ impl Files {
         // Dialogs are created on the window's thread and awaited on another.
         let asked: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> =
             match purpose {
-                Purpose::Open => Box::pin(dialog.set_title("Open").pick_file()),
-                Purpose::Setting(name) => Box::pin(dialog.set_title(name).pick_file()),
-                Purpose::SaveRecipe => Box::pin(
+                FilePurpose::Open => Box::pin(dialog.set_title("Open").pick_file()),
+                FilePurpose::Setting(name) => Box::pin(dialog.set_title(name).pick_file()),
+                FilePurpose::SaveRecipe => Box::pin(
                     dialog
                         .set_title("Save recipe")
                         .add_filter("Recipe", &["toml"])
                         .set_file_name(format!("{stem}.toml"))
                         .save_file(),
                 ),
-                Purpose::SavePicture => Box::pin(
+                FilePurpose::SavePicture => Box::pin(
                     dialog
                         .set_title("Save picture")
                         .set_file_name(format!("{stem}.out.png"))
@@ -71,7 +71,7 @@ impl Files {
     }
 
     /// Files chosen since the last call.
-    pub(super) fn chosen(&self) -> Vec<(Purpose, PathBuf)> {
+    pub(super) fn chosen(&self) -> Vec<(FilePurpose, PathBuf)> {
         self.chosen.try_iter().collect()
     }
 }

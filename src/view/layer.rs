@@ -12,7 +12,7 @@ const DRAWN: &str = "hatch";
 
 /// A layer shown in the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) enum Layer {
+pub(super) enum ShownLayer {
     /// The command's result.
     #[default]
     Picture,
@@ -33,7 +33,7 @@ fn is_of_shape(product: Product) -> bool {
     product < Product::Picture
 }
 
-impl Layer {
+impl ShownLayer {
     /// The layers of a command, in the order of the list.
     pub(super) fn all(command: &str) -> impl Iterator<Item = Self> + use<> {
         let is_drawn = command == DRAWN;
@@ -99,10 +99,10 @@ impl Layer {
 ///
 /// # Errors
 /// The missing product.
-pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
+pub(super) fn pixels(layer: ShownLayer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
     let shape = &outcome.shape;
     let made = match layer {
-        Layer::Grey(product) => {
+        ShownLayer::Grey(product) => {
             outcome
                 .planes(product)
                 .first()
@@ -112,19 +112,19 @@ pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<P
                     false => grey(plane, false),
                 })
         }
-        Layer::Flow => shape
+        ShownLayer::Flow => shape
             .direction
             .as_ref()
             .map(|direction| grey(&flow::along(direction, &frame.mask), false)),
-        Layer::Arrows => shape.conductance.as_ref().map(|plane| {
+        ShownLayer::Arrows => shape.conductance.as_ref().map(|plane| {
             // Pale, so that strokes stand out.
             grey(&plane.map(|c| 0.7 + 0.25 * c), false)
         }),
-        Layer::Tone => {
+        ShownLayer::Tone => {
             let color = outcome.color.as_ref().or(frame.color.as_ref());
             color.map(|color| grey(&luminance(color, frame), true))
         }
-        Layer::Picture | Layer::Curvature => None,
+        ShownLayer::Picture | ShownLayer::Curvature => None,
     };
     made.ok_or_else(|| format!("{} is not there to be shown", layer.name()))
 }

@@ -1,7 +1,7 @@
 //! The lights of a look, in the forms of their flags: `AZ,EL[,R,G,B]`, `AZ,EL,RADIUS[,R,G,B]` and `X,Y,Z[,R,G,B]`.
 
 use super::look::{ENVIRONMENT, LIT_SPHERE, Look};
-use crate::command::relight_args::Numbers;
+use crate::command::relight_args::LightNumbers;
 use crate::light::lights::direction_of;
 use eframe::egui::{Vec2, vec2};
 
@@ -28,7 +28,7 @@ pub(super) struct Light {
 impl Light {
     /// Parses a value of `--light`.
     fn parse(text: &str) -> Option<Self> {
-        let Numbers([azimuth, elevation], color) = text.parse().ok()?;
+        let LightNumbers([azimuth, elevation], color) = text.parse().ok()?;
         Some(Self {
             azimuth,
             elevation,
@@ -45,7 +45,7 @@ impl Light {
     }
 
     fn parse_round(text: &str) -> Option<Self> {
-        let Numbers([azimuth, elevation, radius], color) = text.parse().ok()?;
+        let LightNumbers([azimuth, elevation, radius], color) = text.parse().ok()?;
         Some(Self {
             azimuth,
             elevation,
@@ -89,7 +89,7 @@ pub(super) struct NearLight {
 
 impl NearLight {
     fn parse(text: &str) -> Option<Self> {
-        let Numbers(position, color) = text.parse().ok()?;
+        let LightNumbers(position, color) = text.parse().ok()?;
         Some(Self { position, color })
     }
 }

@@ -1,12 +1,12 @@
 //! Overlays: values under the pointer, and a hint while there is no picture.
 
-use super::probe::Value;
+use super::probe::ProbedValue;
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, RichText, Ui, Vec2, pos2, vec2,
 };
 
 /// The values at a pixel, in the lower left corner of `area`.
-pub(super) fn values(ui: &Ui, area: Rect, pixel: [usize; 2], values: &[Value]) {
+pub(super) fn values(ui: &Ui, area: Rect, pixel: [usize; 2], values: &[ProbedValue]) {
     let lines = lines_of(pixel, values);
     let font = FontId::monospace(12.0);
     let painter = ui.painter_at(area);
@@ -21,9 +21,9 @@ pub(super) fn values(ui: &Ui, area: Rect, pixel: [usize; 2], values: &[Value]) {
 }
 
 /// The values as lines of text.
-pub(super) fn lines_of([x, y]: [usize; 2], values: &[Value]) -> Vec<String> {
+pub(super) fn lines_of([x, y]: [usize; 2], values: &[ProbedValue]) -> Vec<String> {
     let position = format!("{:<20} {x}, {y}", "pixel");
-    let lines = values.iter().map(|Value { name, numbers }| {
+    let lines = values.iter().map(|ProbedValue { name, numbers }| {
         let numbers: Vec<_> = numbers.iter().map(|n| format!("{n:9.4}")).collect();
         format!("{name:<20}{}", numbers.join(" "))
     });

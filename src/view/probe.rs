@@ -7,18 +7,18 @@ use crate::shape::curvature::{mapped_curvature, principal_curvatures};
 
 /// A quantity named as in the layers of `shape`, and its components.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Value {
+pub(super) struct ProbedValue {
     pub(super) name: String,
     pub(super) numbers: Vec<f32>,
 }
 
 /// All values known at a pixel of `frame`; none outside it.
-pub(super) fn values(frame: &Frame, outcome: &Outcome, [x, y]: [usize; 2]) -> Vec<Value> {
+pub(super) fn values(frame: &Frame, outcome: &Outcome, [x, y]: [usize; 2]) -> Vec<ProbedValue> {
     if x >= frame.mask.width() || y >= frame.mask.height() {
         return Vec::new();
     }
     let mut values = Vec::new();
-    let mut say = |name: String, numbers: Vec<f32>| values.push(Value { name, numbers });
+    let mut say = |name: String, numbers: Vec<f32>| values.push(ProbedValue { name, numbers });
     let at = |plane: &Plane| plane.at(x, y);
     let colors = |c: &ColorPlanes| vec![at(&c.r), at(&c.g), at(&c.b)];
     if let Some(color) = &frame.color {

@@ -23,12 +23,12 @@ struct Tile {
 }
 
 /// A picture ready for painting.
-pub(super) struct Texture {
+pub(super) struct ViewTexture {
     pub(super) size: [usize; 2],
     tiles: Vec<Tile>,
 }
 
-impl Texture {
+impl ViewTexture {
     /// Uploads `pixels`, reusing the textures of `last` where sizes match.
     pub(super) fn of(context: &Context, pixels: &Pixels, last: Option<Self>) -> Self {
         let size = [pixels.width, pixels.height];

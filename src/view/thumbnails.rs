@@ -1,7 +1,7 @@
 //! Small pictures of choices, made by the worker while it has nothing else to do.
 
 use super::look::{LightFile, Look, Pixels, Reading};
-use super::texture::Texture;
+use super::texture::ViewTexture;
 use eframe::egui::{
     Color32, Context, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
     Vec2, WidgetInfo, pos2, vec2,
@@ -25,19 +25,19 @@ pub(super) enum Motif {
 }
 
 /// A small picture: whole and at half its size, which boxes of the panel show without aliasing.
-pub(super) struct Small([Texture; 2]);
+pub(super) struct Small([ViewTexture; 2]);
 
 impl Small {
     fn of(context: &Context, pixels: &Pixels, last: Option<Self>) -> Self {
         let [whole, half] = last.map_or([None, None], |Self(last)| last.map(Some));
         Self([
-            Texture::of(context, pixels, whole),
-            Texture::of(context, &halved(pixels), half),
+            ViewTexture::of(context, pixels, whole),
+            ViewTexture::of(context, &halved(pixels), half),
         ])
     }
 
     /// The texture for a box with sides of at most `longest` pixels.
-    fn for_box(&self, longest: f32) -> &Texture {
+    fn for_box(&self, longest: f32) -> &ViewTexture {
         let [whole, half] = &self.0;
         let [width, height] = half.size;
         match width.max(height) as f32 >= longest {
@@ -48,7 +48,7 @@ impl Small {
 }
 
 /// The small picture made last for a choice.
-struct Made {
+struct MadeThumbnail {
     motif: Motif,
     /// `None` if that failed.
     picture: Option<Small>,
@@ -57,7 +57,7 @@ struct Made {
 /// The small pictures of all choices, by name.
 #[derive(Default)]
 pub(super) struct Thumbnails {
-    made: BTreeMap<String, Made>,
+    made: BTreeMap<String, MadeThumbnail>,
     /// Those shown in this frame of the window that are not made yet.
     wanted: Vec<(String, Motif)>,
     ordered: Vec<(String, Motif)>,
@@ -91,7 +91,7 @@ impl Thumbnails {
         let (name, motif) = choice;
         let last = self.made.remove(&name).and_then(|made| made.picture);
         let picture = pixels.map(|pixels| Small::of(context, &pixels, last));
-        self.made.insert(name, Made { motif, picture });
+        self.made.insert(name, MadeThumbnail { motif, picture });
     }
 
     /// What was asked for since the last call, to be made; `None` if it is on its way, or the look `is_changing`.

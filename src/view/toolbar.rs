@@ -1,7 +1,7 @@
 //! The bars above and below the picture.
 
 use super::app::View;
-use super::layer::Layer;
+use super::layer::ShownLayer;
 use super::look::Look;
 use super::notices::Notices;
 use super::shortcuts::{Action, keys_of};
@@ -74,7 +74,7 @@ impl View {
             .width(132.0)
             .selected_text(self.layer.name())
             .show_ui(ui, |ui| {
-                for layer in Layer::all(self.look.command()) {
+                for layer in ShownLayer::all(self.look.command()) {
                     let label = ui.selectable_label(self.layer == layer, layer.name());
                     if label.on_hover_text(layer.help()).clicked() {
                         self.layer = layer;

@@ -1,12 +1,12 @@
 //! The worker thread, which reads, computes and writes for the window.
 
 use super::arrows::{Arrow, arrows};
-use super::layer::{self, Layer};
+use super::layer::{self, ShownLayer};
 use super::lights::{Lights, NearLight};
 use super::look::{
     LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
 };
-use super::probe::{self, Value};
+use super::probe::{self, ProbedValue};
 use super::space::{Space, before_the_middle};
 use super::thumbnails::{LONGEST, Motif};
 use crate::engine::Engine;
@@ -29,7 +29,7 @@ const STEPS: [usize; 3] = [1, 2, 4];
 pub(super) struct Wanted {
     pub(super) look: Look,
     pub(super) reading: Reading,
-    pub(super) layer: Layer,
+    pub(super) layer: ShownLayer,
     /// Whether the comparison is wanted too: the same relighting without shape enhancement, or the input picture.
     pub(super) before: bool,
 }
@@ -54,7 +54,7 @@ pub(super) enum Save {
 
 /// A finished picture.
 #[derive(Debug)]
-pub(super) struct Shown {
+pub(super) struct ShownPicture {
     pub(super) number: u64,
     /// Pixel step of the result; 1 for all pixels.
     pub(super) step: usize,
@@ -75,11 +75,11 @@ pub(super) struct Shown {
 /// A message from the worker.
 #[derive(Debug)]
 pub(super) enum Reply {
-    Shown(Box<Shown>),
+    Shown(Box<ShownPicture>),
     /// The order failed.
     Failed(u64, Said),
     /// The values at a pixel.
-    Probed([usize; 2], Vec<Value>),
+    Probed([usize; 2], Vec<ProbedValue>),
     /// The outcome of saving a file.
     Saved(Result<PathBuf, Said>),
     /// A new light near the surface.
@@ -92,7 +92,7 @@ pub(super) enum Reply {
 
 /// What the worker is asked for.
 #[derive(Debug, Clone)]
-pub(super) enum Task {
+pub(super) enum ViewTask {
     Save(Save, Look, Reading, PathBuf),
     /// A place for a light near the surface.
     Place(Look, Reading),
@@ -105,7 +105,7 @@ pub(super) enum Task {
     Small((String, Motif)),
 }
 
-impl Task {
+impl ViewTask {
     /// Its place in the order of tasks: files first, then the picture and the values, and small pictures last.
     fn rank(&self) -> usize {
         match self {
@@ -121,7 +121,7 @@ impl Task {
 
 #[derive(Default)]
 struct Inbox {
-    tasks: Vec<Task>,
+    tasks: Vec<ViewTask>,
     has_ended: bool,
 }
 
@@ -168,15 +168,15 @@ impl Worker {
     }
 
     /// Asks for something. Every file is saved; of all else only what is asked for last is made.
-    pub(super) fn ask(&self, task: Task) {
+    pub(super) fn ask(&self, task: ViewTask) {
         self.ask_all(vec![task]);
     }
 
     /// Asks for several things of a kind.
-    pub(super) fn ask_all(&self, mut tasks: Vec<Task>) {
+    pub(super) fn ask_all(&self, mut tasks: Vec<ViewTask>) {
         let waiting = &mut self.shared.inbox().tasks;
         waiting.retain(|old| {
-            let is_file = matches!(old, Task::Save(..));
+            let is_file = matches!(old, ViewTask::Save(..));
             is_file || tasks.iter().all(|new| new.rank() != old.rank())
         });
         waiting.append(&mut tasks);
@@ -218,11 +218,11 @@ impl ViewWorker {
                 let said =
                     "this is a mistake of relievo's own, reported on stderr; please report it";
                 match &task {
-                    Task::Show(order) => Some(Reply::Failed(order.number, said.into())),
-                    Task::Save(..) => Some(Reply::Saved(Err(said.into()))),
-                    Task::Place(..) => Some(Reply::Placed(Err(said.into()))),
-                    Task::Small(choice) => Some(Reply::Small(choice.clone(), None)),
-                    Task::Probe(_) | Task::Search(_) => None,
+                    ViewTask::Show(order) => Some(Reply::Failed(order.number, said.into())),
+                    ViewTask::Save(..) => Some(Reply::Saved(Err(said.into()))),
+                    ViewTask::Place(..) => Some(Reply::Placed(Err(said.into()))),
+                    ViewTask::Small(choice) => Some(Reply::Small(choice.clone(), None)),
+                    ViewTask::Probe(_) | ViewTask::Search(_) => None,
                 }
             });
             if let Some(reply) = reply {
@@ -234,28 +234,28 @@ impl ViewWorker {
         }
     }
 
-    fn reply(&mut self, task: &Task) -> Option<Reply> {
+    fn reply(&mut self, task: &ViewTask) -> Option<Reply> {
         match task {
-            Task::Show(order) => Some(match self.show(order) {
+            ViewTask::Show(order) => Some(match self.show(order) {
                 Ok(shown) => Reply::Shown(Box::new(shown)),
                 Err(said) => Reply::Failed(order.number, said),
             }),
-            Task::Probe(pixel) => {
+            ViewTask::Probe(pixel) => {
                 let (frame, outcome) = (self.session.frame()?, self.session.outcome()?);
                 let seen = pixel.map(|place| place / self.session.step());
                 let values = probe::values(frame, outcome, seen);
                 Some(Reply::Probed(*pixel, values))
             }
-            Task::Save(save, look, reading, path) => {
+            ViewTask::Save(save, look, reading, path) => {
                 let saved = match save {
                     Save::Recipe => self.save_recipe(look, reading, path),
                     Save::Picture => self.save_picture(look, reading, path),
                 };
                 Some(Reply::Saved(saved.map(|()| path.clone())))
             }
-            Task::Place(look, reading) => Some(Reply::Placed(self.place(look, reading))),
-            Task::Search(input) => Some(Reply::Found(light_files(input))),
-            Task::Small(choice) => {
+            ViewTask::Place(look, reading) => Some(Reply::Placed(self.place(look, reading))),
+            ViewTask::Search(input) => Some(Reply::Found(light_files(input))),
+            ViewTask::Small(choice) => {
                 let pixels = match &choice.1 {
                     Motif::Look(look, reading) => {
                         self.small.small_picture(&self.session, look, reading)
@@ -267,7 +267,7 @@ impl ViewWorker {
         }
     }
 
-    fn show(&mut self, order: &Order) -> Result<Shown, Said> {
+    fn show(&mut self, order: &Order) -> Result<ShownPicture, Said> {
         let start = Instant::now();
         let step = self.step(order);
         let Wanted {
@@ -276,7 +276,7 @@ impl ViewWorker {
             layer,
             before: is_compared,
         } = &order.wanted;
-        let is_compared = *is_compared && *layer == Layer::Picture;
+        let is_compared = *is_compared && *layer == ShownLayer::Picture;
         let mut before = None;
         if let Some(plain) = look.unaltered().filter(|_| is_compared) {
             self.session.make(&plain, reading, What::Picture, step)?;
@@ -286,11 +286,13 @@ impl ViewWorker {
         let frame = self.session.frame().expect("a picture was made of it");
         let outcome = self.session.outcome().expect("a picture was made");
         let pixels = match layer {
-            Layer::Picture | Layer::Curvature => self.session.picture().expect("it was made"),
+            ShownLayer::Picture | ShownLayer::Curvature => {
+                self.session.picture().expect("it was made")
+            }
             _ => layer::pixels(*layer, frame, outcome)?,
         };
         let arrows = match layer {
-            Layer::Arrows => arrows(outcome, step),
+            ShownLayer::Arrows => arrows(outcome, step),
             _ => Vec::new(),
         };
         let step = self.session.step();
@@ -303,7 +305,7 @@ impl ViewWorker {
             let seconds = took.as_secs_f64();
             self.times.insert(order.changed.clone(), seconds);
         }
-        Ok(Shown {
+        Ok(ShownPicture {
             number: order.number,
             step,
             size,
@@ -363,7 +365,7 @@ impl ViewWorker {
 }
 
 /// Waits for the next task.
-fn next(shared: &Shared) -> Option<Task> {
+fn next(shared: &Shared) -> Option<ViewTask> {
     let mut inbox = shared.inbox();
     loop {
         if inbox.has_ended {

@@ -1,6 +1,6 @@
 //! `relievo enhance`: the shading that a picture has, scaled by shape.
 
-use super::{Seen, Work};
+use super::{FrameSeen, FrameWork};
 use crate::command::args::WorkArgs;
 use crate::command::commands::EnhanceArgs;
 use crate::command::named::Named;
@@ -16,7 +16,7 @@ use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
 use crate::plan::{Available, LightAvailable, Plan};
 
-impl Work for EnhanceArgs {
+impl FrameWork for EnhanceArgs {
     fn args(&self) -> &WorkArgs {
         &self.work
     }
@@ -72,7 +72,7 @@ impl Work for EnhanceArgs {
         Ok((inputs, needs))
     }
 
-    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+    fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
         let request = Request::enhance(seen.params(&self.work));
         let available = Available {
             light: self.light_available(&seen.frame.light),

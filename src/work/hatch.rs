@@ -1,7 +1,7 @@
 //! `relievo hatch`: line art.
 
 use super::relight::needs;
-use super::{Seen, Work};
+use super::{FrameSeen, FrameWork};
 use crate::command::args::WorkArgs;
 use crate::command::line_args::HatchArgs;
 use crate::command::motion_arg::MotionArg;
@@ -46,7 +46,7 @@ const DRAWN_BYTES_PER_PIXEL: f64 = 45.0;
 const POINT_BYTES: f32 = 100.0;
 const DOT_BYTES: f32 = 40.0;
 
-impl Work for HatchArgs {
+impl FrameWork for HatchArgs {
     fn args(&self) -> &WorkArgs {
         &self.relight.work
     }
@@ -137,7 +137,7 @@ impl Work for HatchArgs {
         Ok(if fits { times } else { 1.0 })
     }
 
-    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+    fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
         let mut params = seen.params(self.args());
         params.relight = self.relight.params();
         let available = Available {
@@ -179,7 +179,7 @@ impl Work for HatchArgs {
         channels
     }
 
-    fn lines<'a>(&self, frame: &Frame, outcome: &'a Outcome) -> Option<svg::Drawing<'a>> {
+    fn lines<'a>(&self, frame: &Frame, outcome: &'a Outcome) -> Option<svg::LinePage<'a>> {
         let drawing = outcome.drawing.as_ref().filter(|_| is_svg(self.args()))?;
         Some(page(drawing, &self.args().flags.params, &frame.into()))
     }

@@ -1,6 +1,6 @@
 //! What a command makes of a frame in memory: the steps of the command line between reading and writing.
 
-use super::{Made, Seen, Work};
+use super::{FrameSeen, FrameWork, Results};
 use crate::engine::{Engine, Inputs, Run};
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene};
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 /// A command and all that it is run on.
 #[derive(Clone, Copy)]
 pub(crate) struct Making<'a> {
-    pub(crate) work: &'a dyn Work,
+    pub(crate) work: &'a dyn FrameWork,
     pub(crate) light: &'a Illumination,
     pub(crate) frame: &'a Frame,
     /// The scene seen in mirrors and lenses.
@@ -23,11 +23,11 @@ pub(crate) struct Making<'a> {
 
 impl<'a> Making<'a> {
     /// Its frame, as it was read.
-    pub(crate) fn seen(&self) -> Seen<'a, 'a> {
-        Seen {
+    pub(crate) fn seen(&self) -> FrameSeen<'a, 'a> {
+        FrameSeen {
             is_specular: self.specular.is_some(),
             is_in_sequence: self.is_in_sequence,
-            ..Seen::new(self.frame, self.light)
+            ..FrameSeen::new(self.frame, self.light)
         }
     }
 
@@ -35,7 +35,7 @@ impl<'a> Making<'a> {
     ///
     /// # Errors
     /// As [`Engine::run`]; [`crate::Error::BadParameter`] for settings that the frame does not allow.
-    pub(crate) fn run(&self, engine: &Engine, run: &Run) -> Result<Made> {
+    pub(crate) fn run(&self, engine: &Engine, run: &Run) -> Result<Results> {
         let work = self.work;
         let times = work.times(self.frame, self.specular.is_some(), !self.is_in_sequence)?;
         let scene = self.specular.filter(|_| times != 1.0);
@@ -46,7 +46,7 @@ impl<'a> Making<'a> {
         };
         let (frame, art_map) = (&*frame, work.art_map()?);
         let mut made = work.begin(&work.reading(self.light)?.0, frame)?;
-        let mut seen = Seen {
+        let mut seen = FrameSeen {
             frame,
             times,
             ..self.seen()
@@ -85,7 +85,7 @@ impl<'a> Making<'a> {
     /// The picture as a PNG would hold it, and the exposure that was chosen for it; `None` where layers were made.
     pub(crate) fn shown(
         &self,
-        made: &'a Made,
+        made: &'a Results,
         primaries: Option<Chromaticities>,
     ) -> Option<(Displayed<'a>, Option<f32>)> {
         let params = &self.work.args().flags.params;

@@ -1,9 +1,9 @@
 //! `relievo map` and `relievo normals`: maps of a texture or a frame, made by several plans.
 
-use super::{Made, Seen, Work};
+use super::{FrameSeen, FrameWork, Results};
 use crate::command::args::WorkArgs;
 use crate::command::flags::weights_for;
-use crate::command::map::{Map, MapArgs, Part};
+use crate::command::map::{MapArgs, MapKind, MapPart};
 use crate::command::named::Named;
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::error::{Error, Result, bad};
@@ -38,7 +38,7 @@ pub(crate) struct MapSamples {
 
 /// A map as it is computed, and the values shown in black and white.
 pub(crate) struct MadeMap {
-    pub(crate) part: Part,
+    pub(crate) part: MapPart,
     /// One, or the components of normals.
     planes: Vec<Plane>,
     range: [f32; 2],
@@ -62,10 +62,10 @@ impl MadeMap {
     pub(crate) fn in_words(&self, mask: &Mask, is_picture: bool) -> Option<String> {
         let [black, white] = self.range;
         match self.part.map {
-            Map::Height if is_picture => {
+            MapKind::Height if is_picture => {
                 Some(format!("height {black:.3} is black, {white:.3} white"))
             }
-            Map::Residual => {
+            MapKind::Residual => {
                 let runs = |y: usize| {
                     mask.runs(y)
                         .flat_map(move |run| &self.planes[0].row(y)[run])
@@ -137,7 +137,7 @@ const NO_CREASES: SoftThreshold = SoftThreshold {
     hi: 180.0,
 };
 
-impl Work for MapArgs {
+impl FrameWork for MapArgs {
     fn args(&self) -> &WorkArgs {
         &self.work
     }
@@ -191,7 +191,7 @@ impl Work for MapArgs {
         ];
         let changes = changes.into_iter().find(|(_, is_given)| *is_given);
         if let Some((name, _)) = changes
-            && !self.maps.contains(&Map::Normals)
+            && !self.maps.contains(&MapKind::Normals)
         {
             let found = "is of normals, and they are not made".to_string();
             return Err(bad(name, found, "add --map normals"));
@@ -220,8 +220,8 @@ impl Work for MapArgs {
     }
 
     /// Reads the detail, and changes the normals as was asked for.
-    fn begin(&self, inputs: &Inputs, frame: &Frame) -> Result<Made> {
-        let mut made = Made::default();
+    fn begin(&self, inputs: &Inputs, frame: &Frame) -> Result<Results> {
+        let mut made = Results::default();
         if self.flatten {
             let bend = Bend::of(&frame.normal, &frame.mask).ok_or_else(|| {
                 bad(
@@ -262,7 +262,7 @@ impl Work for MapArgs {
     }
 
     /// One for each scale, since each has a gain of its own; one for edges; and one for each radius of occlusion.
-    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+    fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
         let Params { shape, scaling, .. } = self.work.flags.params;
         let available = Available::in_frame(seen.frame);
         let plan = |products: &[Product], shape| {
@@ -281,18 +281,18 @@ impl Work for MapArgs {
                 plans.push(plan(&[Product::MappedCurvature], shape)?);
             }
         }
-        if self.maps.contains(&Map::Edges) {
+        if self.maps.contains(&MapKind::Edges) {
             let products = [Product::Silhouette, Product::Crease, Product::Conductance];
             plans.push(plan(&products, shape)?);
         }
         let relief = [
-            (Map::Height, Product::Height),
-            (Map::Residual, Product::HeightResidual),
-            (Map::Occlusion, Product::Sky),
+            (MapKind::Height, Product::Height),
+            (MapKind::Residual, Product::HeightResidual),
+            (MapKind::Occlusion, Product::Sky),
         ];
         let relief = relief.iter().filter(|(map, _)| self.maps.contains(map));
         let products: Vec<_> = relief.map(|(_, product)| *product).collect();
-        let radii = match self.maps.contains(&Map::Occlusion) {
+        let radii = match self.maps.contains(&MapKind::Occlusion) {
             true => &self.work.flags.radii[..],
             false => &[shape.occlusion_radius],
         };
@@ -308,7 +308,7 @@ impl Work for MapArgs {
         Ok(plans)
     }
 
-    fn take(&self, made: &mut Made, plan: &Plan, mut outcome: Outcome) -> Outcome {
+    fn take(&self, made: &mut Results, plan: &Plan, mut outcome: Outcome) -> Outcome {
         match (self.gains() > 1, outcome.gain.take()) {
             (true, Some(gain)) => {
                 let sigma = plan.shape.scale_px();
@@ -356,7 +356,7 @@ impl MapArgs {
         } else if has_scales && self.sigmas().len() > 1 && gain == Adaptive::Auto {
             let found = "takes a gain for each scale, of a whole picture, and --grid cuts it";
             Some(["--scale", found, "give one, or --curvature-gain"])
-        } else if matches!(kind, OutputKind::Picture(_)) && self.maps.contains(&Map::Height) {
+        } else if matches!(kind, OutputKind::Picture(_)) && self.maps.contains(&MapKind::Height) {
             let found = "height runs from black to white in each picture, and --grid makes many";
             Some(["--map", found, "write an .npy, .tif or .exr"])
         } else {
@@ -377,7 +377,7 @@ impl MapArgs {
         parts.map(move |part| self.one(part, samples, frame))
     }
 
-    fn one(&self, part: Part, samples: &MapSamples, frame: &Frame) -> Result<MadeMap> {
+    fn one(&self, part: MapPart, samples: &MapSamples, frame: &Frame) -> Result<MadeMap> {
         let (planes, range) = self.planes(&part, samples, frame)?;
         Ok(MadeMap {
             part,
@@ -389,36 +389,36 @@ impl MapArgs {
     /// The planes of a map, and the values shown in black and white.
     fn planes(
         &self,
-        part: &Part,
+        part: &MapPart,
         samples: &MapSamples,
         frame: &Frame,
     ) -> Result<(Vec<Plane>, [f32; 2])> {
         let one = |plane: Plane, range: [f32; 2]| (vec![plane], range);
         Ok(match part.map {
-            Map::Curvature => one(self.kappa(part, samples), [-1.0, 1.0]),
-            Map::Convex => {
+            MapKind::Curvature => one(self.kappa(part, samples), [-1.0, 1.0]),
+            MapKind::Convex => {
                 let kappa = self.kappa(part, samples);
                 one(kappa.map(|kappa| kappa.max(0.0)), [0.0, 1.0])
             }
-            Map::Concave => {
+            MapKind::Concave => {
                 let kappa = self.kappa(part, samples);
                 one(kappa.map(|kappa| (-kappa).max(0.0)), [0.0, 1.0])
             }
-            Map::Edges => {
+            MapKind::Edges => {
                 let edges = samples.edges.clone();
                 one(edges.expect("a pass makes edges"), [0.0, 1.0])
             }
-            Map::Height => {
+            MapKind::Height => {
                 let height = samples.height.clone().expect("a pass makes the height");
                 let range = range_of(&height, &frame.mask);
                 one(height, range)
             }
-            Map::Occlusion => one(samples.sky[part.scale.unwrap_or(0)].clone(), [0.0, 1.0]),
-            Map::Residual => {
+            MapKind::Occlusion => one(samples.sky[part.scale.unwrap_or(0)].clone(), [0.0, 1.0]),
+            MapKind::Residual => {
                 let residual = samples.residual.clone();
                 one(residual.expect("a pass makes the residual"), [0.0, 1.0])
             }
-            Map::Normals => {
+            MapKind::Normals => {
                 let normal = samples.normal.as_ref().unwrap_or(&frame.normal);
                 (self.axes.of_view(frame, normal)?, [-1.0, 1.0])
             }
@@ -426,7 +426,7 @@ impl MapArgs {
     }
 
     /// Mapped curvature at one scale, or the weighted mean over all.
-    fn kappa(&self, part: &Part, samples: &MapSamples) -> Plane {
+    fn kappa(&self, part: &MapPart, samples: &MapSamples) -> Plane {
         let all = &samples.kappa;
         if self.sum.is_empty() {
             return all[part.scale.unwrap_or(0)].clone();

@@ -38,7 +38,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// A frame, and how a command meets it.
-pub(crate) struct Seen<'f, 'l> {
+pub(crate) struct FrameSeen<'f, 'l> {
     pub(crate) frame: &'f Frame,
     pub(crate) light: Cow<'l, Illumination>,
     /// Whether mirrors or lenses are traced.
@@ -53,7 +53,7 @@ pub(crate) struct Seen<'f, 'l> {
     pub(crate) found: Cow<'l, StripChoice>,
 }
 
-impl<'f, 'l> Seen<'f, 'l> {
+impl<'f, 'l> FrameSeen<'f, 'l> {
     /// A single frame as it was read, in this light.
     pub(crate) fn new(frame: &'f Frame, light: &'l Illumination) -> Self {
         Self {
@@ -79,7 +79,7 @@ impl<'f, 'l> Seen<'f, 'l> {
 
 /// What a command has made of a frame.
 #[derive(Debug, Default)]
-pub(crate) struct Made {
+pub(crate) struct Results {
     pub(crate) outcome: Outcome,
     /// What maps are made of.
     pub(crate) maps: MapSamples,
@@ -93,7 +93,7 @@ pub(crate) struct Made {
 }
 
 /// A command that makes something of a frame, with its settings.
-pub(crate) trait Work: Sync {
+pub(crate) trait FrameWork: Sync {
     /// The arguments that all commands share.
     fn args(&self) -> &WorkArgs;
 
@@ -176,15 +176,15 @@ pub(crate) trait Work: Sync {
     }
 
     /// Begins to make something of a frame: reads what is laid over it.
-    fn begin(&self, _inputs: &Inputs, _frame: &Frame) -> Result<Made> {
-        Ok(Made::default())
+    fn begin(&self, _inputs: &Inputs, _frame: &Frame) -> Result<Results> {
+        Ok(Results::default())
     }
 
     /// The plans that are run on a frame, one after another. A lamp is added to its light where tones need one.
-    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>>;
+    fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>>;
 
     /// Takes the results of a plan; what is left of them can be recycled.
-    fn take(&self, made: &mut Made, _plan: &Plan, outcome: Outcome) -> Outcome {
+    fn take(&self, made: &mut Results, _plan: &Plan, outcome: Outcome) -> Outcome {
         made.outcome = outcome;
         Outcome::default()
     }
@@ -213,7 +213,7 @@ pub(crate) trait Work: Sync {
     }
 
     /// The lines that were made, if they are written as such.
-    fn lines<'a>(&self, _frame: &Frame, _outcome: &'a Outcome) -> Option<svg::Drawing<'a>> {
+    fn lines<'a>(&self, _frame: &Frame, _outcome: &'a Outcome) -> Option<svg::LinePage<'a>> {
         None
     }
 }
@@ -223,7 +223,7 @@ impl Command {
     ///
     /// # Panics
     /// If it is none of those of recipes.
-    pub(crate) fn work(&self) -> &dyn Work {
+    pub(crate) fn work(&self) -> &dyn FrameWork {
         match self {
             Self::Shape(args) => args,
             Self::Enhance(args) => args,
@@ -235,7 +235,7 @@ impl Command {
     }
 
     /// The same, to be changed.
-    pub(crate) fn work_mut(&mut self) -> &mut dyn Work {
+    pub(crate) fn work_mut(&mut self) -> &mut dyn FrameWork {
         match self {
             Self::Shape(args) => args,
             Self::Enhance(args) => args,
@@ -265,7 +265,7 @@ impl Command {
 }
 
 /// The light of a command, with a lamp in place of none, and what is to be said of that.
-pub(crate) fn light_of(work: &dyn Work) -> Result<(Illumination, Option<String>)> {
+pub(crate) fn light_of(work: &dyn FrameWork) -> Result<(Illumination, Option<String>)> {
     let mut light = work.light().map(relight::illumination).transpose()?;
     let light = light.get_or_insert_default();
     let said = work.add_lamp(light);

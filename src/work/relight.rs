@@ -1,9 +1,9 @@
 //! `relievo relight`: new light.
 
-use super::{Seen, Work, dark_rims};
+use super::{FrameSeen, FrameWork, dark_rims};
 use crate::command::args::WorkArgs;
 use crate::command::named::{Named, given};
-use crate::command::relight_args::{Numbers, RelightArgs};
+use crate::command::relight_args::{LightNumbers, RelightArgs};
 use crate::engine::outcome::Outcome;
 use crate::engine::request::{Request, is_dark};
 use crate::error::{Result, bad};
@@ -24,7 +24,7 @@ use crate::plan::{Available, Goal, Plan};
 use glam::Vec3;
 use std::sync::Arc;
 
-impl Work for RelightArgs {
+impl FrameWork for RelightArgs {
     fn args(&self) -> &WorkArgs {
         &self.work
     }
@@ -114,7 +114,7 @@ impl Work for RelightArgs {
         is_turned || !self.specular.is_empty()
     }
 
-    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+    fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
         let params = seen.params(&self.work);
         let available = Available {
             specular: seen.is_specular.then(|| self.tracing(&params)),
@@ -222,7 +222,7 @@ pub(crate) fn lights(args: &RelightArgs) -> Result<Illumination> {
         .light
         .iter()
         .map(|light| {
-            let Numbers([azimuth, elevation], _) = *light;
+            let LightNumbers([azimuth, elevation], _) = *light;
             DirectionalLight {
                 to_light: direction_of(azimuth, elevation),
                 intensity: light.color(),
@@ -266,7 +266,10 @@ pub(crate) fn lights(args: &RelightArgs) -> Result<Illumination> {
 }
 
 /// A disc light as `count` directional lights that together have its brightness.
-fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = DirectionalLight> + use<> {
+fn area_light(
+    light: &LightNumbers<3>,
+    count: u32,
+) -> impl Iterator<Item = DirectionalLight> + use<> {
     let [azimuth, elevation, radius] = light.0;
     let center = direction_of(azimuth, elevation);
     let intensity = light.color().map(|channel| channel / count as f32);

@@ -1,6 +1,6 @@
 //! `relievo shape`: the descriptor as layers, or its coloured display.
 
-use super::{Seen, Work};
+use super::{FrameSeen, FrameWork};
 use crate::command::args::WorkArgs;
 use crate::command::commands::ShapeArgs;
 use crate::command::output::MOST_PLANES;
@@ -19,7 +19,7 @@ use crate::light::lights::Illumination;
 use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
 
-impl Work for ShapeArgs {
+impl FrameWork for ShapeArgs {
     fn args(&self) -> &WorkArgs {
         &self.work
     }
@@ -58,7 +58,7 @@ impl Work for ShapeArgs {
         !matches!(self.work.output.kind(), Ok(OutputKind::Picture(_)))
     }
 
-    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+    fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
         Ok(vec![plan(&self.work, self.goes_by_rows(), seen)?])
     }
 
@@ -87,7 +87,7 @@ pub(crate) fn channels<'a>(
 }
 
 /// The plan for the shape of a frame, in layers or as the curvature display, by the settings of any command.
-pub(crate) fn plan(work: &WorkArgs, in_layers: bool, seen: &Seen) -> Result<Plan> {
+pub(crate) fn plan(work: &WorkArgs, in_layers: bool, seen: &FrameSeen) -> Result<Plan> {
     let and = on_request(work);
     let layers = Goal::Layers {
         and: &and,

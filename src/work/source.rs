@@ -1,6 +1,6 @@
 //! What a command reads: files and layers, and what mirrors and lenses show.
 
-use super::Work;
+use super::FrameWork;
 use crate::error::Result;
 use crate::frame::{SpecularScene, Surroundings};
 use crate::io::inputs::Inputs;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Everything that is read for a frame of a command.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Source {
+pub(crate) struct FrameSource {
     pub(crate) inputs: Inputs,
     pub(crate) needs: Needs,
     /// Whether it belongs to a sequence.
@@ -19,12 +19,16 @@ pub(crate) struct Source {
     pub(crate) specular: Option<(SpecularInputs, Material)>,
 }
 
-impl Source {
+impl FrameSource {
     /// What `work` reads in this light.
     ///
     /// # Errors
     /// [`crate::Error::BadParameter`] for settings that contradict each other.
-    pub(crate) fn of(work: &dyn Work, light: &Illumination, is_in_sequence: bool) -> Result<Self> {
+    pub(crate) fn of(
+        work: &dyn FrameWork,
+        light: &Illumination,
+        is_in_sequence: bool,
+    ) -> Result<Self> {
         let (inputs, needs) = work.reading(light)?;
         let specular = work.light().and_then(|args| {
             let inputs = args.specular.clone();
@@ -43,7 +47,7 @@ impl Source {
     ///
     /// # Errors
     /// As [`io::load`] and [`load_specular`]; [`crate::Error::Unsupported`] beyond the memory limit.
-    pub(crate) fn load(&self, work: &dyn Work) -> Result<(Loaded, Option<SpecularScene>)> {
+    pub(crate) fn load(&self, work: &dyn FrameWork) -> Result<(Loaded, Option<SpecularScene>)> {
         work.refuse_too_large(&self.inputs.picture)?;
         let mut loaded = io::load(&self.inputs, self.needs)?;
         let scene = self.scene(work, &mut loaded, None)?;
@@ -57,7 +61,7 @@ impl Source {
     /// As [`load_specular`]; [`crate::Error::BadParameter`] for what the command cannot show.
     pub(crate) fn scene(
         &self,
-        work: &dyn Work,
+        work: &dyn FrameWork,
         loaded: &mut Loaded,
         known: Option<Arc<Surroundings>>,
     ) -> Result<Option<SpecularScene>> {

@@ -16,7 +16,7 @@ use numpy::PyReadonlyArray3;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use relievo::host::{Kind, Work, frames_of, settings_of, thumbnail};
+use relievo::host::{SettingKind, Work, frames_of, settings_of, thumbnail};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -32,12 +32,12 @@ fn settings<'py>(py: Python<'py>, command: &str) -> PyResult<Vec<Bound<'py, PyDi
         row.set_item("unit", setting.unit)?;
         row.set_item("default", setting.default)?;
         let kind = match setting.kind {
-            Kind::Switch => "switch",
-            Kind::Choice(words) => {
+            SettingKind::Switch => "switch",
+            SettingKind::Choice(words) => {
                 row.set_item("words", words)?;
                 "choice"
             }
-            Kind::Number {
+            SettingKind::Number {
                 range,
                 is_whole,
                 word,
@@ -48,7 +48,7 @@ fn settings<'py>(py: Python<'py>, command: &str) -> PyResult<Vec<Bound<'py, PyDi
                 row.set_item("words", word.into_iter().collect::<Vec<_>>())?;
                 "number"
             }
-            Kind::Text {
+            SettingKind::Text {
                 form,
                 is_repeatable,
             } => {

@@ -56,7 +56,7 @@ fn of_command(command: &Command) -> Value {
 fn of_setting(setting: &Setting) -> Value {
     let one = of_value(setting);
     let mut schema = match setting.kind {
-        setting::Kind::Text {
+        setting::SettingKind::Text {
             is_repeatable: true,
             ..
         } => json!({ "anyOf": [one, { "type": "array", "items": one }] }),
@@ -73,8 +73,8 @@ fn of_value(setting: &Setting) -> Value {
     let row = param(&setting.name).map(|row| (row, row.kind, row.many));
     match (&setting.kind, row) {
         (_, Some((row, Kind::Number { whole, word: None }, Many::One))) => of_number(row, whole),
-        (setting::Kind::Switch, _) => json!({ "type": "boolean" }),
-        (setting::Kind::Choice(words), _) => json!({ "enum": words }),
+        (setting::SettingKind::Switch, _) => json!({ "type": "boolean" }),
+        (setting::SettingKind::Choice(words), _) => json!({ "enum": words }),
         _ => json!({ "type": ["string", "number", "array"] }),
     }
 }

@@ -4,7 +4,7 @@ use crate::engine::cpu::execution::{Execution, Interim, Runner};
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
-use crate::engine::part::Part;
+use crate::engine::part::FramePart;
 use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Vector3Planes, Window};
@@ -127,7 +127,7 @@ impl Runner {
                 ..Outcome::default()
             });
         }
-        let part = Part::around(changed, plan, whole, inputs)?;
+        let part = FramePart::around(changed, plan, whole, inputs)?;
         let mut run = Execution {
             memory: &self.memory.for_run(watch.token()).at_other_size(),
             watch,

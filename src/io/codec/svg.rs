@@ -14,7 +14,7 @@ use std::io::Write;
 use std::path::Path;
 
 /// A drawing of lines.
-pub struct Drawing<'a> {
+pub struct LinePage<'a> {
     /// The whole picture, which everything is cut to.
     pub display_window: Window,
     /// The part whose upper left corner points are counted from.
@@ -52,11 +52,11 @@ const LEAST_WIDTH_PX: f32 = 1e-3;
 ///
 /// # Errors
 /// [`Error::Io`] if that fails.
-pub fn write_svg(file: &mut impl Write, path: &Path, drawing: &Drawing) -> Result<()> {
+pub fn write_svg(file: &mut impl Write, path: &Path, drawing: &LinePage) -> Result<()> {
     write(file, drawing).map_err(Error::io(path, "write"))
 }
 
-fn write(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
+fn write(file: &mut impl Write, drawing: &LinePage) -> std::io::Result<()> {
     let (paper, mut travel) = (drawing.paper(), Travel::default());
     let dots = drawing.dots(&mut travel);
     let pens = drawing.pens.map(|count| pens(&drawing.layers, count));
@@ -138,7 +138,7 @@ fn median(widths: &[f32]) -> f32 {
     middle.map_or(LEAST_WIDTH_PX, |width| width.max(LEAST_WIDTH_PX))
 }
 
-impl Drawing<'_> {
+impl LinePage<'_> {
     /// Millimetres of a length in steps.
     fn mm(&self, steps: f32) -> f32 {
         steps / STEPS / self.dpi * MM_PER_INCH
@@ -281,8 +281,8 @@ mod tests {
     use super::*;
 
     /// A picture of 300 x 200 pixels with its lines at (10, -20).
-    fn of(layers: Vec<(&'static str, Vec<Line<'static>>)>, pens: Option<u32>) -> Drawing<'static> {
-        Drawing {
+    fn of(layers: Vec<(&'static str, Vec<Line<'static>>)>, pens: Option<u32>) -> LinePage<'static> {
+        LinePage {
             display_window: Window::from_size(300, 200),
             data_window: Window::at(10, -20, 50, 50),
             pixel_aspect: 2.0,
@@ -294,7 +294,7 @@ mod tests {
         }
     }
 
-    fn written(drawing: &Drawing) -> String {
+    fn written(drawing: &LinePage) -> String {
         let mut file = Vec::new();
         write_svg(&mut file, Path::new("a.svg"), drawing).unwrap();
         String::from_utf8(file).unwrap()
@@ -321,7 +321,7 @@ mod tests {
         // 8 by 4 inches at 100 to the inch are 400 pixels twice as wide as high, by 400: 50 more on the left and 100
         // above. The line starts there 10 further right and 20 further down.
         let strokes = vec![line(&[[0.0, 40.0], [50.0, 40.0]], &[3.0; 2])];
-        let drawing = Drawing {
+        let drawing = LinePage {
             paper_mm: Some([203.2, 101.6]),
             ..of(vec![("strokes", strokes)], Some(1))
         };

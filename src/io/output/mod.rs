@@ -32,7 +32,7 @@ use crate::untrusted::shown;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
-use target::{Target, exists_already};
+use target::{OutputTarget, exists_already};
 use temporary::Temporary;
 
 /// The software named in written files.
@@ -54,7 +54,7 @@ pub fn write_atomically(
     write: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
 ) -> Result<()> {
     let failed = |source| Error::io(path, "write")(source);
-    let target = Target::of(path, replace).map_err(failed)?;
+    let target = OutputTarget::of(path, replace).map_err(failed)?;
     let temporary = Temporary::beside(&target.path).map_err(failed)?;
     let file = temporary.writer().map_err(failed)?;
     let written = temporary.synced_meanwhile(move || {
@@ -117,7 +117,7 @@ fn tail(path: &Path, count: usize) -> io::Result<Vec<u8>> {
 /// [`Error::Io`] if its directory is missing or takes no file, if it is a directory or another thing that is not a file, and if it exists
 /// and `replace` keeps it.
 pub fn check_writable(path: &Path, replace: Replace) -> Result<()> {
-    let target = Target::of(path, replace).map_err(Error::io(path, "write"))?;
+    let target = OutputTarget::of(path, replace).map_err(Error::io(path, "write"))?;
     can_hold(directory_of(&target.path), path)
 }
 

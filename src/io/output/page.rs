@@ -1,6 +1,6 @@
 //! A drawing's lines on a page.
 
-use crate::engine::outcome::{Drawing, Extent};
+use crate::engine::outcome::{Drawing, PageExtent};
 use crate::error::{Error, Result};
 use crate::io::svg::{self, write_svg};
 use crate::line::contours::Contour;
@@ -12,7 +12,11 @@ use std::path::Path;
 pub(crate) const LINES: &str = "made.svg";
 
 /// The lines of a drawing on a page.
-pub(crate) fn page<'a>(drawing: &'a Drawing, params: &Params, extent: &Extent) -> svg::Drawing<'a> {
+pub(crate) fn page<'a>(
+    drawing: &'a Drawing,
+    params: &Params,
+    extent: &PageExtent,
+) -> svg::LinePage<'a> {
     fn line<'a>(points: &'a [Vec2], widths: &'a [f32]) -> svg::Line<'a> {
         (points, widths)
     }
@@ -34,7 +38,7 @@ pub(crate) fn page<'a>(drawing: &'a Drawing, params: &Params, extent: &Extent) -
     let size = [window.width(), window.height()].map(|side| side as f64);
     let page = params.page_for(size, extent.pixel_aspect);
     let dots = drawing.dots.iter();
-    svg::Drawing {
+    svg::LinePage {
         display_window: window,
         data_window: extent.data_window,
         pixel_aspect: extent.pixel_aspect,
@@ -50,7 +54,7 @@ pub(crate) fn page<'a>(drawing: &'a Drawing, params: &Params, extent: &Extent) -
 ///
 /// # Errors
 /// [`Error::Io`].
-pub(crate) fn text_of(page: &svg::Drawing) -> Result<String> {
+pub(crate) fn text_of(page: &svg::LinePage) -> Result<String> {
     let (mut text, path) = (Vec::new(), Path::new(LINES));
     write_svg(&mut text, path, page)?;
     let text = String::from_utf8(text).map_err(std::io::Error::other);

@@ -4,7 +4,7 @@ use super::layers::{color_channels, shape_channels, stroke_channels};
 use super::page::{page, text_of};
 use super::picture::MadePicture;
 use super::{OutputKind, Replace, software, write_atomically};
-use crate::engine::outcome::{Outcome, Sheet, Shows};
+use crate::engine::outcome::{FileSheet, Outcome, Shows};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
@@ -36,7 +36,7 @@ impl Outcome {
             OutputKind::Exr => write_results(w, path, &self.part(&frame, sheet, picture.as_ref())),
             OutputKind::Picture(format) => {
                 let picture = picture.ok_or_else(|| unfit("has no picture", "write an .exr"))?;
-                let Sheet { params, extent, .. } = sheet;
+                let FileSheet { params, extent, .. } = sheet;
                 let exposure = picture.exposure(&params.display, &frame.mask);
                 let shown = params.displayed(&frame, None, picture, 8, exposure);
                 let times =
@@ -63,7 +63,7 @@ impl Outcome {
         text_of(&self.page(self.sheet()?)?)
     }
 
-    fn sheet(&self) -> Result<&Sheet> {
+    fn sheet(&self) -> Result<&FileSheet> {
         let none = || {
             unfit(
                 "was made by a plan, which has no parameters of a file",
@@ -73,7 +73,7 @@ impl Outcome {
         self.sheet.as_deref().ok_or_else(none)
     }
 
-    fn page(&self, Sheet { params, extent, .. }: &Sheet) -> Result<svg::Drawing<'_>> {
+    fn page(&self, FileSheet { params, extent, .. }: &FileSheet) -> Result<svg::LinePage<'_>> {
         let drawing = self.drawing.as_ref();
         // Strokes that are not laid one by one are a texture.
         let lines = drawing.filter(|drawing| {
@@ -83,8 +83,8 @@ impl Outcome {
         Ok(page(lines, params, extent))
     }
 
-    fn made_picture<'a>(&'a self, frame: &'a Frame, sheet: &Sheet) -> Option<MadePicture<'a>> {
-        let Sheet {
+    fn made_picture<'a>(&'a self, frame: &'a Frame, sheet: &FileSheet) -> Option<MadePicture<'a>> {
+        let FileSheet {
             params,
             shows,
             extent,
@@ -101,7 +101,7 @@ impl Outcome {
     fn part<'a>(
         &'a self,
         frame: &'a Frame,
-        sheet: &Sheet,
+        sheet: &FileSheet,
         picture: Option<&'a MadePicture>,
     ) -> OutputPart<'a> {
         let half = OutputType::Half;

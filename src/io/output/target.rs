@@ -17,7 +17,7 @@ pub enum Replace {
 }
 
 /// Target of a result.
-pub(super) struct Target {
+pub(super) struct OutputTarget {
     pub(super) path: PathBuf,
     /// Permissions of the file that is replaced.
     pub(super) permissions: Option<Permissions>,
@@ -26,7 +26,7 @@ pub(super) struct Target {
 /// Links that are followed before a circle is assumed.
 const MOST_LINKS: usize = 40;
 
-impl Target {
+impl OutputTarget {
     /// The file to write for `path`: itself, or the target of its links, existing or not.
     pub(super) fn of(path: &Path, replace: Replace) -> io::Result<Self> {
         let path = followed(path)?;
@@ -162,7 +162,7 @@ mod tests {
         }
         let refused = followed(&link).unwrap_err();
         assert_eq!(refused.kind(), io::ErrorKind::PermissionDenied);
-        assert!(Target::of(&link, Replace::Always).is_err());
+        assert!(OutputTarget::of(&link, Replace::Always).is_err());
         for (mode, link_owner, folder_owner, is_followed) in [
             (0o1777, OTHER, THIRD, false),
             (0o1777, OTHER, OTHER, true),

@@ -4,7 +4,7 @@
 mod light_files;
 mod view_session;
 
-pub(crate) use crate::command::setting::{Kind, Setting, settings_of};
+pub(crate) use crate::command::setting::{Setting, SettingKind, settings_of};
 pub(crate) use crate::io::inputs::INPUTS;
 pub(crate) use light_files::{ENVIRONMENT, LIT_SPHERE, LightFile, light_files};
 pub(crate) use view_session::{Pixels, Reading, ViewSession, What};

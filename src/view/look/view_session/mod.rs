@@ -16,8 +16,8 @@ use crate::io::output::picture::{Form, MadePicture};
 use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::light::lights::Illumination;
 use crate::plan::Plan;
-use crate::work::source::Source;
-use crate::work::{Seen, shape};
+use crate::work::source::FrameSource;
+use crate::work::{FrameSeen, shape};
 use reading::LookFiles;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,7 +62,7 @@ pub(crate) enum What {
 
 /// The open frame.
 struct OpenFrame {
-    source: Source,
+    source: FrameSource,
     /// The scene that mirrors and lenses show.
     scene: Option<SpecularScene>,
     /// Engine sessions by pixel step; step 1 holds the whole frame.
@@ -108,7 +108,7 @@ impl OpenFrame {
 }
 
 /// The last result.
-struct Made {
+struct MadeWithLook {
     command: Command,
     what: What,
     step: usize,
@@ -125,7 +125,7 @@ pub(crate) struct ViewSession {
     said: Mutex<BTreeSet<String>>,
     sitter: Option<OpenFrame>,
     around: LookFiles,
-    made: Option<Made>,
+    made: Option<MadeWithLook>,
 }
 
 const IN_HAND: &str = "a frame has been read";
@@ -209,7 +209,7 @@ impl ViewSession {
             command = at_size.parse(&reading.input)?.command;
         }
         let warnings = self.run(&command, what, step).map_err(said)?;
-        self.made = Some(Made {
+        self.made = Some(MadeWithLook {
             command,
             what,
             step,
@@ -362,10 +362,10 @@ impl ViewSession {
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let (is_in_sequence, is_specular) = (sitter.source.is_in_sequence, sitter.scene.is_some());
         let frame = sitter.session(&self.engine, step).held().as_ref();
-        let mut seen = Seen {
+        let mut seen = FrameSeen {
             is_in_sequence,
             is_specular,
-            ..Seen::new(frame, &light)
+            ..FrameSeen::new(frame, &light)
         };
         let plans = match in_layers {
             Some(in_layers) => vec![shape::plan(work.args(), in_layers, &seen)?],

@@ -8,8 +8,8 @@ use crate::io::Loaded;
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::StrokeScale;
-use crate::work::source::Source;
-use crate::work::{Work, illumination, lights};
+use crate::work::source::FrameSource;
+use crate::work::{FrameWork, illumination, lights};
 use std::path::PathBuf;
 
 /// An environment and its turn, lit spheres, and a folder of strokes with their scale.
@@ -41,7 +41,7 @@ impl ViewSession {
         work.args().flags.validate()?;
         work.check()?;
         let (light, _) = self.illumination(work)?;
-        let source = Source::of(work, &light, reading.frame.is_some())?;
+        let source = FrameSource::of(work, &light, reading.frame.is_some())?;
         if self.sitter.as_ref().is_some_and(|s| s.source == source) {
             return Ok(());
         }
@@ -69,7 +69,7 @@ impl ViewSession {
     /// The light of a command, and what is to be said of it; files of light and strokes are read once.
     pub(super) fn illumination(
         &mut self,
-        work: &dyn Work,
+        work: &dyn FrameWork,
     ) -> Result<(Illumination, Option<String>)> {
         let Some(args) = work.light() else {
             return Ok((Illumination::default(), None));
