@@ -11,12 +11,12 @@ use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::invocation::Task;
 use crate::command::recipe::RecipeText;
+use crate::engine::Engine;
 use crate::engine::cpu::row_layers::{LaidRows, RowLayers};
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::Strips;
-use crate::engine::{self, Engine, Run};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Mask, Window};
+use crate::frame::{ColorPlanes, Mask, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::OutputKind;
@@ -30,7 +30,6 @@ use crate::untrusted::shown;
 use crate::work::FrameWork;
 use crate::work::shape::held_gain;
 use std::ops::Range;
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -99,13 +98,6 @@ impl<'a> Job<'a> {
         let output = &mut job.command.work_mut().args_mut().output;
         output.parts = vec![part.into()];
         output.output = output.files().pop();
-        job
-    }
-
-    /// The same with this output.
-    pub(super) fn writing_to(&self, path: PathBuf) -> Self {
-        let mut job = self.clone();
-        job.command.work_mut().args_mut().output.output = Some(path);
         job
     }
 
@@ -206,20 +198,6 @@ impl<'a> Job<'a> {
         self.log.say(&format!("{kind}: {name}{text}"));
     }
 
-    /// Runs `plan` on a frame of this job, but for what can be made some rows at a time.
-    pub(super) fn execute_for_rows<'e>(
-        &self,
-        engine: &'e Engine,
-        plan: &'e Plan,
-        frame: &mut Frame,
-    ) -> Result<RowLayers<'e>> {
-        let warn = |text: &str| self.warn(text);
-        let run = Run::new().warn(&warn);
-        let layers = engine.execute_for_rows(plan, frame, engine::Inputs::default(), &run)?;
-        self.note_gain(plan, layers.outcome.gain);
-        Ok(layers)
-    }
-
     /// Frees all that a run computed but its picture or drawing, which is about to be written.
     pub(super) fn keep_picture_alone(&self, engine: &Engine, outcome: &mut Outcome) {
         if !self.is_in_sequence() {
@@ -242,13 +220,6 @@ impl<'a> Job<'a> {
     pub(super) fn note_gain(&self, plan: &Plan, gain: Option<f32>) {
         if let Some(text) = held_gain(plan, gain).filter(|_| plan.drawing.is_none()) {
             self.warn(&text);
-        }
-    }
-
-    /// Makes the plan for a cell of a sheet take the albedo that was estimated over all of it.
-    pub(super) fn settle_albedo(&self, plan: &mut Plan, frame: &Frame) {
-        if let Some(part) = self.part {
-            part.settle_albedo(plan, frame);
         }
     }
 

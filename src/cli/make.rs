@@ -16,7 +16,7 @@ use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::output::OutputKind;
 use crate::work::map::MapSamples;
 use crate::work::source::FrameSource;
-use crate::work::{FrameSeen, Results, is_svg, shape};
+use crate::work::{FrameSeen, Results, shape};
 use std::time::Instant;
 
 /// Makes the output of one frame; returns the parameters chosen for it.
@@ -71,10 +71,14 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
     let (mut plans, light) = (work.plans(&mut seen)?, seen.light);
     look_at_depth(&mut loaded);
     for plan in &mut plans {
-        job.settle_albedo(plan, &loaded.frame);
+        if let Some(part) = job.part {
+            part.settle_albedo(plan, &loaded.frame);
+        }
         job.tell_plan(plan);
         if work.goes_by_rows() {
-            let layers = job.execute_for_rows(&kit.engine, plan, &mut loaded.frame)?;
+            let (engine, frame) = (&kit.engine, &mut loaded.frame);
+            let layers = engine.execute_for_rows(plan, frame, Inputs::default(), &run)?;
+            job.note_gain(plan, layers.outcome.gain);
             job.release_spare_memory(&kit.engine);
             let chosen = job.write_layers(&loaded, &layers, read, |rows| {
                 shape::channels(job.args(), &rows.frame, &rows.outcome)
@@ -134,7 +138,7 @@ fn enlarge(
     run: &Run,
 ) -> Result<()> {
     let (work, args) = (job.work(), job.args());
-    let is_layers = !is_svg(args) && args.output.kind()? == OutputKind::Exr;
+    let is_layers = !args.output.is_svg() && args.output.kind()? == OutputKind::Exr;
     let refused = if job.part.is_some() {
         Some((
             "makes cells larger than those of the sheet",

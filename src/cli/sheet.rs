@@ -16,7 +16,6 @@ use crate::error::{Result, bad};
 use crate::frame::ColorPlanes;
 use crate::io::exr::OutputChannel;
 use crate::io::output::picture::MadePicture;
-use crate::work::is_svg;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -33,7 +32,7 @@ pub(super) fn one(task: &Task) -> Result<()> {
 /// Makes a sheet.
 fn make_sheet(task: &Task, grid: CellSize) -> Result<()> {
     begin(task)?;
-    if is_svg(task.command.work().args()) {
+    if task.command.work().args().output.is_svg() {
         return Err(bad(
             "--grid",
             "makes a sheet of pixels, and an SVG holds lines",
@@ -91,7 +90,8 @@ fn write(sheet: Sheet, job: &Job) -> Result<()> {
         read: began.elapsed(),
     };
     for (path, (form, planes)) in files {
-        let job = job.writing_to(path);
+        let mut job = job.clone();
+        job.command.work_mut().args_mut().output.output = Some(path);
         match form {
             CellForm::Picture { form, is_derived } => {
                 let frame = &done.loaded.frame;

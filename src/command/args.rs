@@ -13,38 +13,32 @@ use crate::io::output::full_name;
 use crate::io::sequence::path_of_frame;
 use crate::io::{frame_bytes, program_bytes};
 use crate::params::Group;
+use crate::params::table::rows;
 use crate::params::words::one_of;
 use crate::untrusted::shown;
-use clap::{Args, ValueEnum};
+use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
 /// Upper limit of --threads; no machine has more cores.
 pub(crate) const MOST_THREADS: u16 = 512;
 
-/// Arguments shared by all commands that make a picture.
-#[derive(Debug, Clone, Args)]
-pub(crate) struct WorkArgs {
-    /// The render or photo, or a folder as estimators of normals and depth write one.
-    #[arg(value_name = "IN")]
-    pub(crate) input: PathBuf,
-    /// More inputs, each processed on its own, to the folder named by -o or to a name with {name}: there, and in the
-    /// names of all files written beside it, {name} stands for each input's name.
-    #[arg(value_name = "MORE")]
-    pub(crate) more: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) roles: RoleArgs,
-    #[command(flatten)]
-    pub(crate) flags: Flags,
-    #[command(flatten)]
-    _shape: Section<{ Group::Shape as u8 }>,
-    #[command(flatten)]
-    pub(crate) output: OutputArgs,
-    #[command(flatten)]
-    _print: Section<{ Group::Print as u8 }>,
-    #[command(flatten)]
-    pub(crate) sequence: SequenceArgs,
-    #[command(flatten)]
-    pub(crate) run: RunArgs,
+rows! {
+    /// Arguments shared by all commands that make a picture.
+    #[derive(Debug, Clone)]
+    pub(crate) struct WorkArgs {
+        /// The render or photo, or a folder as estimators of normals and depth write one.
+        pub(crate) input: PathBuf = [value_name = "IN"];
+        /// More inputs, each processed on its own, to the folder named by -o or to a name with {name}: there, and in the
+        /// names of all files written beside it, {name} stands for each input's name.
+        pub(crate) more: Vec<PathBuf> = [value_name = "MORE"];
+        pub(crate) roles: RoleArgs as flatten;
+        pub(crate) flags: Flags as flatten;
+        _shape: Section<{ Group::Shape as u8 }> as flatten;
+        pub(crate) output: OutputArgs as flatten;
+        _print: Section<{ Group::Print as u8 }> as flatten;
+        pub(crate) sequence: SequenceArgs as flatten;
+        pub(crate) run: RunArgs as flatten;
+    }
 }
 
 impl WorkArgs {
@@ -116,60 +110,46 @@ impl WorkArgs {
     }
 }
 
-/// Where results go.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Output")]
-pub(crate) struct OutputArgs {
-    /// File to write: .exr .png .jpg .tif .hdr .npy, or a folder for a PNG of each input. Without it --save-recipe writes what would be done.
-    #[arg(
-        short = 'o',
-        long,
-        value_name = "FILE",
-        required_unless_present = "save_recipe"
-    )]
-    pub(crate) output: Option<PathBuf>,
-    /// What {map} in its name stands for, each in a file of its own.
-    #[arg(skip)]
-    pub(crate) parts: Vec<String>,
-    /// Whether a TIFF holds numbers as they are, rather than a picture.
-    #[arg(skip)]
-    pub(crate) tiff_holds_numbers: bool,
-    /// Its name as given, and what {name} in it stands for, where it has a place for that.
-    #[arg(skip)]
-    pub(crate) named: Option<(PathBuf, String)>,
-    /// EXR: keep the input's bytes and append a part; write channels into its re-encoded first part, for readers that
-    /// see no other; or write the results only.
-    #[arg(long, value_name = "WHAT", default_value = "keep")]
-    pub(crate) layers: LayersArg,
-    /// EXR: names of our layers: full, shown by Blender and others, as in relievo.CurvatureKappa.V, or short, as in
-    /// curvature.kappa.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "WHICH",
-        default_value = "full"
-    )]
-    pub(crate) layer_names: LayerNames,
-    /// EXR: write only these of our layers or channels, as in kappa,curvature.mean; * and ? match any letters. All by
-    /// default. Of shape .npy and .tif hold up to four, as floats.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub(crate) write: Vec<String>,
-    /// EXR: compression of the written part; auto is zip, in the way that suits the samples. --layers channels keeps that of
-    /// the input.
-    #[arg(hide_short_help = true, long, value_name = "HOW", default_value = "auto", value_parser = one_of(compressions()))]
-    pub(crate) compression: OutputCompression,
-    /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
-    #[arg(hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
-    pub(crate) depth_of_output: Option<OutputType>,
-    /// JPEG: quality, 1 to 100; 95 by default.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
-    pub(crate) quality: Option<u8>,
-    /// Refuse to replace a file.
-    #[arg(hide_short_help = true, long, conflicts_with = "force")]
-    pub(crate) no_clobber: bool,
-    /// Replace write-protected files too.
-    #[arg(hide_short_help = true, long)]
-    pub(crate) force: bool,
+rows! {
+    /// Where results go.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Output")]
+    pub(crate) struct OutputArgs {
+        /// File to write; its ending tells the kind, as in .exr .png .jpg .npy; or a folder for a PNG of each input. Without it
+        /// --save-recipe writes what would be done.
+        pub(crate) output: Option<PathBuf> =
+            [short = 'o', long, value_name = "FILE", required_unless_present = "save_recipe"];
+        /// What {map} in its name stands for, each in a file of its own.
+        pub(crate) parts: Vec<String> = [skip];
+        /// Whether a TIFF holds numbers as they are, rather than a picture.
+        pub(crate) tiff_holds_numbers: bool = [skip];
+        /// Its name as given, and what {name} in it stands for, where it has a place for that.
+        pub(crate) named: Option<(PathBuf, String)> = [skip];
+        /// EXR: keep the input's bytes and append a part; write channels into its re-encoded first part, for readers that
+        /// see no other; or write the results only.
+        pub(crate) layers: LayersArg = [long, value_name = "WHAT", default_value = "keep"];
+        /// EXR: names of our layers: full, shown by Blender and others, as in relievo.CurvatureKappa.V, or short, as in
+        /// curvature.kappa.
+        pub(crate) layer_names: LayerNames =
+            [hide_short_help = true, long, value_name = "WHICH", default_value = "full"];
+        /// EXR: write only these of our layers or channels, as in kappa,curvature.mean; * and ? match any letters. All by
+        /// default. Of shape .npy and .tif hold up to four, as floats.
+        pub(crate) write: Vec<String> = [long, value_name = "NAMES", value_delimiter = ','];
+        /// EXR: compression of the written part; auto is zip, in the way that suits the samples. --layers channels keeps that of
+        /// the input.
+        pub(crate) compression: OutputCompression =
+            [hide_short_help = true, long, value_name = "HOW", default_value = "auto", value_parser = one_of(compressions())];
+        /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
+        pub(crate) depth_of_output: Option<OutputType> =
+            [hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES)];
+        /// JPEG: quality, 1 to 100; 95 by default.
+        pub(crate) quality: Option<u8> =
+            [long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100)];
+        /// Refuse to replace a file.
+        pub(crate) no_clobber: bool = [hide_short_help = true, long, conflicts_with = "force"];
+        /// Replace write-protected files too.
+        pub(crate) force: bool = [hide_short_help = true, long];
+    }
 }
 
 /// Compressions by name.
@@ -238,45 +218,43 @@ pub(crate) enum ProgressArg {
     None,
 }
 
-/// Backend and threads.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Run")]
-pub(crate) struct ComputeArgs {
-    /// Backend: auto uses a GPU where the build supports it and one is available, and the CPU for stages without
-    /// kernels.
-    #[arg(hide_short_help = true, long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
-    pub(crate) backend: BackendArg,
-    /// Threads; all cores by default.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
-    pub(crate) threads: Option<u16>,
+rows! {
+    /// Backend and threads.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Run")]
+    pub(crate) struct ComputeArgs {
+        /// Backend: auto uses a GPU where the build supports it and one is available, and the CPU for stages without
+        /// kernels.
+        pub(crate) backend: BackendArg =
+            [hide_short_help = true, long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto];
+        /// Threads; all cores by default.
+        pub(crate) threads: Option<u16> =
+            [long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into())];
+    }
 }
 
-/// How the work is run and reported.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Run")]
-pub(crate) struct RunArgs {
-    #[command(flatten)]
-    pub(crate) compute: ComputeArgs,
-    /// Memory limit: 2G, 500M, or auto for six tenths of what is free; photos are then processed in strips from 1.5G on.
-    #[arg(hide_short_help = true, long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
-    pub(crate) max_memory: MaxMemory,
-    /// Write the settings of this command line, and the automatic choices, as a recipe.
-    #[arg(long, value_name = "FILE.toml")]
-    pub(crate) save_recipe: Option<PathBuf>,
-    /// How to show how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
-    /// terminal, else plain.
-    #[arg(hide_short_help = true, long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
-    pub(crate) progress: ProgressArg,
-    /// Print what ran, how long it took and why, once it has run; with -v what was not made, too.
-    #[arg(hide_short_help = true, long)]
-    pub(crate) explain: bool,
-    /// Write how long each stage took, as JSON.
-    #[arg(hide_short_help = true, long, value_name = "FILE.json")]
-    pub(crate) timings: Option<PathBuf>,
-    /// Report how the inputs were read.
-    #[arg(short, long, conflicts_with = "quiet")]
-    pub(crate) verbose: bool,
-    /// Print errors only.
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
+rows! {
+    /// How the work is run and reported.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Run")]
+    pub(crate) struct RunArgs {
+        pub(crate) compute: ComputeArgs as flatten;
+        /// Memory limit: 2G, 500M, or auto for six tenths of what is free; photos are then processed in strips from 1.5G on.
+        pub(crate) max_memory: MaxMemory =
+            [hide_short_help = true, long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto];
+        /// Write the settings of this command line, and the automatic choices, as a recipe.
+        pub(crate) save_recipe: Option<PathBuf> = [long, value_name = "FILE.toml"];
+        /// How to show how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
+        /// terminal, else plain.
+        pub(crate) progress: ProgressArg =
+            [hide_short_help = true, long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto];
+        /// Print what ran, how long it took and why, once it has run; with -v what was not made, too.
+        pub(crate) explain: bool = [hide_short_help = true, long];
+        /// Write how long each stage took, as JSON.
+        pub(crate) timings: Option<PathBuf> = [hide_short_help = true, long, value_name = "FILE.json"];
+        /// Report how the inputs were read.
+        pub(crate) verbose: bool = [short, long, conflicts_with = "quiet"];
+        /// Print errors only.
+        pub(crate) quiet: bool = [short, long];
+    }
 }

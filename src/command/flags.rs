@@ -1,6 +1,7 @@
 //! Flags of parameters, generated from the parameter table, and flags as typed.
 
 use crate::error::{Result, bad};
+use crate::params::table::rows;
 use crate::params::{
     Choice, Kind, Many, Param, Parameters, Params, Scale, Style, check_scales, table,
 };
@@ -136,20 +137,14 @@ pub(crate) fn weights_for(sum: &[f32], scales: usize) -> Result<Vec<f32>> {
     Ok(weights)
 }
 
-/// The weights of scales in one picture of light.
-#[derive(Debug, Clone, Args)]
-pub(crate) struct SumFlag {
-    /// Weights of the scales of --scale 2,12 in the picture, beside their sizes: one for each, or one for all.
-    #[arg(
-        hide_short_help = true,
-        id = "sum",
-        long = "sum",
-        value_name = "WEIGHT,..",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        help_heading = "Shape"
-    )]
-    _sum: Vec<f32>,
+rows! {
+    /// The weights of scales in one picture of light.
+    #[derive(Debug, Clone)]
+    pub(crate) struct SumFlag {
+        /// Weights of the scales of --scale 2,12 in the picture, beside their sizes: one for each, or one for all.
+        _sum: Vec<f32> =
+            [hide_short_help = true, id = "sum", long = "sum", value_name = "WEIGHT,..", value_delimiter = ',', allow_hyphen_values = true, help_heading = "Shape"];
+    }
 }
 
 impl FromArgMatches for Flags {

@@ -4,21 +4,21 @@ use super::named::{Named, given};
 use crate::io::inputs::{GroupInput, LightInputs};
 use crate::light::lights::direction_of;
 use crate::params::Params;
-use clap::Args;
+use crate::params::table::rows;
 use glam::Vec3;
 use std::str::FromStr;
 
-/// Layers of light to scale separately.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Light layers")]
-pub(crate) struct LightLayerFlags {
-    #[command(flatten)]
-    named: LightInputs,
-    /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees counterclockwise
-    /// from the right of the picture, and degrees from the picture plane toward the viewer. Repeatable, for other
-    /// groups or further directions of one: an area light is a set of directions.
-    #[arg(long, value_name = "NAME=AZ,EL")]
-    light_group: Vec<GroupDirection>,
+rows! {
+    /// Layers of light to scale separately.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Light layers")]
+    pub(crate) struct LightLayerFlags {
+        named: LightInputs as flatten;
+        /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees counterclockwise
+        /// from the right of the picture, and degrees from the picture plane toward the viewer. Repeatable, for other
+        /// groups or further directions of one: an area light is a set of directions.
+        light_group: Vec<GroupDirection> = [long, value_name = "NAME=AZ,EL"];
+    }
 }
 
 /// A light group and one direction to its light.

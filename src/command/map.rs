@@ -3,66 +3,39 @@
 use super::args::WorkArgs;
 use super::axes::NormalAxes;
 use super::flags::Section;
+use crate::params::table::rows;
 use crate::params::words::one_of;
 use crate::params::{Group, Scale};
-use clap::Args;
 use std::path::PathBuf;
 
-/// The arguments of `map`.
-#[derive(Debug, Clone, Args)]
-#[command(mut_arg("wrap", |wrap| wrap.default_value("auto")), mut_arg("crease", |crease| crease.default_value("15,45")))]
-pub(crate) struct MapArgs {
-    #[command(flatten)]
-    pub(crate) work: WorkArgs,
-    #[command(flatten)]
-    _relief: Section<{ Group::Relief as u8 }>,
-    /// Maps to make. Several take {map} in the name of the output, as in -o brick_{map}.png, or an .exr for all.
-    #[arg(
-        long = "map",
-        value_name = "MAP,..",
-        value_delimiter = ',',
-        default_value = "curvature",
-        value_parser = one_of(MapKind::ALL.map(|map| (map, map.name()))),
-        help_heading = "Maps"
-    )]
-    pub(crate) maps: Vec<MapKind>,
-    /// Bits of a sample: 8 or 16 in PNG and TIFF, 16 by default in PNG; 32 in TIFF, by default: the numbers themselves, as
-    /// in .npy.
-    #[arg(long, value_name = "8|16|32", value_parser = ["8", "16", "32"], help_heading = "Maps")]
-    pub(crate) bits: Option<String>,
-    /// Axes of the normals that are written: opengl is x right, y up, z toward the viewer; directx has y down, opencv y down
-    /// and z away, stablenormal x to the left; world takes a camera, and xy leaves z out.
-    #[arg(
-        hide_short_help = true,
-        long = "as",
-        value_name = "AXES",
-        default_value = "opengl",
-        value_parser = one_of(NormalAxes::ALL),
-        help_heading = "Maps"
-    )]
-    pub(crate) axes: NormalAxes,
-    /// Normal map of a detail that is laid over the normals, turned with them: of one size with IN, and read as IN is.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "FILE",
-        help_heading = "Maps"
-    )]
-    pub(crate) detail: Option<PathBuf>,
-    /// Subtract the bend of the whole surface from the normals, as of a tablet that lies askew or is curved: the quadratic
-    /// surface that most slopes below 30 degrees agree on.
-    #[arg(hide_short_help = true, long, help_heading = "Maps")]
-    pub(crate) flatten: bool,
-    /// Adds the curvatures of all scales up to one map, by these weights: one for each, or one for all.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "WEIGHT,..",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        help_heading = "Maps"
-    )]
-    pub(crate) sum: Vec<f32>,
+rows! {
+    /// The arguments of `map`.
+    #[derive(Debug, Clone)]
+    #[command(mut_arg("wrap", |wrap| wrap.default_value("auto")), mut_arg("crease", |crease| crease.default_value("15,45")))]
+    pub(crate) struct MapArgs {
+        pub(crate) work: WorkArgs as flatten;
+        _relief: Section<{ Group::Relief as u8 }> as flatten;
+        /// Maps to make. Several take {map} in the name of the output, as in -o brick_{map}.png, or an .exr for all.
+        pub(crate) maps: Vec<MapKind> =
+            [long = "map", value_name = "MAP,..", value_delimiter = ',', default_value = "curvature", value_parser = one_of(MapKind::ALL.map(|map| (map, map.name()))), help_heading = "Maps"];
+        /// Bits of a sample: 8 or 16 in PNG and TIFF, 16 by default in PNG; 32 in TIFF, by default: the numbers themselves, as
+        /// in .npy.
+        pub(crate) bits: Option<String> =
+            [long, value_name = "8|16|32", value_parser = ["8", "16", "32"], help_heading = "Maps"];
+        /// Axes of the normals that are written: opengl is x right, y up, z toward the viewer; directx has y down, opencv y down
+        /// and z away, stablenormal x to the left; world takes a camera, and xy leaves z out.
+        pub(crate) axes: NormalAxes =
+            [hide_short_help = true, long = "as", value_name = "AXES", default_value = "opengl", value_parser = one_of(NormalAxes::ALL), help_heading = "Maps"];
+        /// Normal map of a detail that is laid over the normals, turned with them: of one size with IN, and read as IN is.
+        pub(crate) detail: Option<PathBuf> =
+            [hide_short_help = true, long, value_name = "FILE", help_heading = "Maps"];
+        /// Subtract the bend of the whole surface from the normals, as of a tablet that lies askew or is curved: the quadratic
+        /// surface that most slopes below 30 degrees agree on.
+        pub(crate) flatten: bool = [hide_short_help = true, long, help_heading = "Maps"];
+        /// Adds the curvatures of all scales up to one map, by these weights: one for each, or one for all.
+        pub(crate) sum: Vec<f32> =
+            [hide_short_help = true, long, value_name = "WEIGHT,..", value_delimiter = ',', allow_hyphen_values = true, help_heading = "Maps"];
+    }
 }
 
 /// A map.

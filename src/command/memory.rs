@@ -35,9 +35,7 @@ impl MaxMemory {
             Self::Auto => free().unwrap_or(UNKNOWN),
         }
     }
-}
 
-impl MaxMemory {
     /// Bytes that images of light, or strokes, may take beside the frame: half.
     pub(crate) fn for_light(self) -> u64 {
         self.bytes() / 2

@@ -5,77 +5,59 @@ use super::flags::{Section, SumFlag};
 use crate::frame::Frame;
 use crate::io::SpecularInputs;
 use crate::light::lights::DirectionalLight;
+use crate::params::table::rows;
 use crate::params::{AlbedoSource, Group, Raking, RelightParams, Shadows};
-use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-#[derive(Debug, Clone, Args)]
-pub(crate) struct RelightArgs {
-    #[command(flatten)]
-    pub(crate) work: WorkArgs,
-    #[command(flatten)]
-    pub(crate) light: LightFlags,
-    #[command(flatten)]
-    _light: Section<{ Group::Light as u8 }>,
-    #[command(flatten)]
-    _warping: Section<{ Group::Warping as u8 }>,
-    #[command(flatten)]
-    _sum: SumFlag,
-    #[command(flatten)]
-    _scaling: Section<{ Group::Scaling as u8 }>,
-    #[command(flatten)]
-    pub(crate) surface: SurfaceFlags,
-    #[command(flatten)]
-    _material: Section<{ Group::Material as u8 }>,
-    #[command(flatten)]
-    pub(crate) specular: SpecularInputs,
-    #[command(flatten)]
-    _search: Section<{ Group::Specular as u8 }>,
-    #[command(flatten)]
-    _display: Section<{ Group::Display as u8 }>,
+rows! {
+    #[derive(Debug, Clone)]
+    pub(crate) struct RelightArgs {
+        pub(crate) work: WorkArgs as flatten;
+        pub(crate) light: LightFlags as flatten;
+        _light: Section<{ Group::Light as u8 }> as flatten;
+        _warping: Section<{ Group::Warping as u8 }> as flatten;
+        _sum: SumFlag as flatten;
+        _scaling: Section<{ Group::Scaling as u8 }> as flatten;
+        pub(crate) surface: SurfaceFlags as flatten;
+        _material: Section<{ Group::Material as u8 }> as flatten;
+        pub(crate) specular: SpecularInputs as flatten;
+        _search: Section<{ Group::Specular as u8 }> as flatten;
+        _display: Section<{ Group::Display as u8 }> as flatten;
+    }
 }
 
-/// Lights, environments and lit spheres.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Light")]
-pub(crate) struct LightFlags {
-    /// A light far away: degrees counterclockwise from the right of the picture, degrees from the picture
-    /// plane toward the viewer, colour. Repeatable.
-    #[arg(long, value_name = "AZ,EL[,R,G,B]", allow_hyphen_values = true)]
-    pub(crate) light: Vec<LightNumbers<2>>,
-    /// A round light far away: as --light, with its radius in degrees. Repeatable.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "AZ,EL,RADIUS[,R,G,B]",
-        allow_hyphen_values = true
-    )]
-    pub(crate) area_light: Vec<LightNumbers<3>>,
-    /// A light near the surface, in view space and the units of depth: x right, y up, the eye at 0 looking
-    /// toward -z; the colour is that at a distance of 1. Repeatable.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "X,Y,Z[,R,G,B]",
-        allow_hyphen_values = true
-    )]
-    pub(crate) point_light: Vec<LightNumbers<3>>,
-    /// Light from all around, attached to the view: latitude-longitude map, mirror ball or cube cross.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) environment: Option<PathBuf>,
-    /// A picture of a lit sphere in place of all light; or one for convexities and one for concavities.
-    #[arg(long, value_name = "FILE[,FILE]", value_delimiter = ',', num_args = 1..=2)]
-    pub(crate) lit_sphere: Vec<PathBuf>,
+rows! {
+    /// Lights, environments and lit spheres.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Light")]
+    pub(crate) struct LightFlags {
+        /// A light far away: degrees counterclockwise from the right of the picture, degrees from the picture
+        /// plane toward the viewer, colour. Repeatable.
+        pub(crate) light: Vec<LightNumbers<2>> = [long, value_name = "AZ,EL[,R,G,B]", allow_hyphen_values = true];
+        /// A round light far away: as --light, with its radius in degrees. Repeatable.
+        pub(crate) area_light: Vec<LightNumbers<3>> =
+            [hide_short_help = true, long, value_name = "AZ,EL,RADIUS[,R,G,B]", allow_hyphen_values = true];
+        /// A light near the surface, in view space and the units of depth: x right, y up, the eye at 0 looking
+        /// toward -z; the colour is that at a distance of 1. Repeatable.
+        pub(crate) point_light: Vec<LightNumbers<3>> =
+            [hide_short_help = true, long, value_name = "X,Y,Z[,R,G,B]", allow_hyphen_values = true];
+        /// Light from all around, attached to the view: latitude-longitude map, mirror ball or cube cross.
+        pub(crate) environment: Option<PathBuf> = [long, value_name = "FILE"];
+        /// A picture of a lit sphere in place of all light; or one for convexities and one for concavities.
+        pub(crate) lit_sphere: Vec<PathBuf> =
+            [long, value_name = "FILE[,FILE]", value_delimiter = ',', num_args = 1..=2];
+    }
 }
 
-/// Surface properties other than the parameters of its material.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Material")]
-pub(crate) struct SurfaceFlags {
-    /// Colour of the surface itself: a layer of IN or a file.
-    #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
-    pub(crate) albedo: Option<String>,
+rows! {
+    /// Surface properties other than the parameters of its material.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Material")]
+    pub(crate) struct SurfaceFlags {
+        /// Colour of the surface itself: a layer of IN or a file.
+        pub(crate) albedo: Option<String> = [hide_short_help = true, long, value_name = "NAME|FILE"];
+    }
 }
 
 /// N numbers and an optional colour, separated by commas.

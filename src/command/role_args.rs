@@ -4,27 +4,23 @@ use super::flags::Flag;
 use super::named::{Named, given};
 use super::still_camera::StillCamera;
 use crate::io::inputs::{Conventions, INPUTS, Inputs, NORMAL_ENCODINGS, StoredDepth};
-use clap::Args;
+use crate::params::table::rows;
 use std::path::Path;
 
-/// Which layers and files play which role.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = INPUTS)]
-pub(crate) struct RoleArgs {
-    #[command(flatten)]
-    pub(crate) named: Inputs,
-    /// Heights of the surface, seen from above, in place of normals and depth: a layer of IN or a file.
-    #[arg(hide_short_help = true, long, value_name = "NAME|FILE", conflicts_with_all = ["depth", "normal", "depth_kind", "camera"])]
-    height: Option<String>,
-    /// The camera shared by all frames of a sequence, as --save-recipe writes it where it was recovered and stands
-    /// still.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "JSON",
-        conflicts_with = "camera"
-    )]
-    still_camera: Option<StillCamera>,
+rows! {
+    /// Which layers and files play which role.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = INPUTS)]
+    pub(crate) struct RoleArgs {
+        pub(crate) named: Inputs as flatten;
+        /// Heights of the surface, seen from above, in place of normals and depth: a layer of IN or a file.
+        height: Option<String> =
+            [hide_short_help = true, long, value_name = "NAME|FILE", conflicts_with_all = ["depth", "normal", "depth_kind", "camera"]];
+        /// The camera shared by all frames of a sequence, as --save-recipe writes it where it was recovered and stands
+        /// still.
+        still_camera: Option<StillCamera> =
+            [hide_short_help = true, long, value_name = "JSON", conflicts_with = "camera"];
+    }
 }
 
 /// The flags that make layers be read by these conventions.
@@ -79,18 +75,9 @@ impl RoleArgs {
 
     /// The layers and files that are named.
     pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
-        let named = &mut self.named;
-        let layers = [
-            &mut named.normal,
-            &mut named.depth,
-            &mut self.height,
-            &mut named.position,
-            &mut named.color,
-            &mut named.occlusion,
-            &mut named.importance,
-            &mut named.mask,
-            &mut named.coverage,
-        ];
-        given(layers, [&mut named.camera, &mut named.cryptomatte])
+        let (layers, files) = self.named.names();
+        let mut all = given(layers, files);
+        all.extend(given([&mut self.height], []));
+        all
     }
 }

@@ -3,66 +3,48 @@
 use super::grid::CellSize;
 use crate::error::{Result, bad};
 use crate::io::sequence::{FrameList, is_pattern, path_of_frame};
+use crate::params::table::rows;
 use crate::params::words::word_or;
 use crate::untrusted::shown;
-use clap::{Args, ValueEnum};
+use clap::ValueEnum;
 use std::path::Path;
 
 /// Number of frames sampled for automatic choices.
 const SAMPLES: usize = 5;
 
-/// The frames of a sequence.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Sequence")]
-pub(crate) struct FramesArg {
-    /// Frames of a sequence, whose numbers go where IN and -o have #### or %04d: 1-12, every second one
-    /// 1-12x2 or 1-12:2, the others 1-12y2, or 1,5,9.
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    frames: Option<FrameList>,
+rows! {
+    /// The frames of a sequence.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Sequence")]
+    pub(crate) struct FramesArg {
+        /// Frames of a sequence, whose numbers go where IN and -o have #### or %04d: 1-12, every second one
+        /// 1-12x2 or 1-12:2, the others 1-12y2, or 1,5,9.
+        frames: Option<FrameList> = [long, value_name = "LIST", allow_hyphen_values = true];
+    }
 }
 
-/// Options for processing a sequence.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Sequence")]
-pub(crate) struct SequenceArgs {
-    #[command(flatten)]
-    pub(super) frames: FramesArg,
-    /// Frames that all automatic settings are chosen from, once for the sequence; by default five spread over --frames.
-    /// none lets each frame choose for itself.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "LIST|none",
-        value_parser = word_or::<FrameList>("none"),
-        allow_hyphen_values = true,
-        conflicts_with = "grid"
-    )]
-    sample_frames: Option<std::option::Option<FrameList>>,
-    /// Skip frames whose output exists and is complete.
-    #[arg(long, requires = "frames")]
-    pub(crate) skip_existing: bool,
-    /// How to treat frames without an input.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "WHAT",
-        value_enum,
-        default_value = "error",
-        requires = "frames"
-    )]
-    pub(crate) missing_frame: MissingArg,
-    /// Go on after a frame that failed; the exit code is then 3.
-    #[arg(hide_short_help = true, long, requires = "frames")]
-    pub(crate) keep_going: bool,
-    /// Columns and rows of a sprite, in pixels, as in 32x32: IN and all other files are sheets of them. Each is processed as
-    /// a picture of its own, by automatic settings chosen once for the sheet.
-    #[arg(
-        hide_short_help = true,
-        long,
-        value_name = "WxH",
-        conflicts_with = "frames"
-    )]
-    pub(crate) grid: Option<CellSize>,
+rows! {
+    /// Options for processing a sequence.
+    #[derive(Debug, Clone)]
+    #[command(next_help_heading = "Sequence")]
+    pub(crate) struct SequenceArgs {
+        pub(super) frames: FramesArg as flatten;
+        /// Frames that all automatic settings are chosen from, once for the sequence; by default five spread over --frames.
+        /// none lets each frame choose for itself.
+        sample_frames: Option<std::option::Option<FrameList>> =
+            [hide_short_help = true, long, value_name = "LIST|none", value_parser = word_or::<FrameList>("none"), allow_hyphen_values = true, conflicts_with = "grid"];
+        /// Skip frames whose output exists and is complete.
+        pub(crate) skip_existing: bool = [long, requires = "frames"];
+        /// How to treat frames without an input.
+        pub(crate) missing_frame: MissingArg =
+            [hide_short_help = true, long, value_name = "WHAT", value_enum, default_value = "error", requires = "frames"];
+        /// Go on after a frame that failed; the exit code is then 3.
+        pub(crate) keep_going: bool = [hide_short_help = true, long, requires = "frames"];
+        /// Columns and rows of a sprite, in pixels, as in 32x32: IN and all other files are sheets of them. Each is processed as
+        /// a picture of its own, by automatic settings chosen once for the sheet.
+        pub(crate) grid: Option<CellSize> =
+            [hide_short_help = true, long, value_name = "WxH", conflicts_with = "frames"];
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -127,36 +127,25 @@ impl<'a> Inputs<'a> {
 /// Checks that `frame` has the inputs the plan was made for.
 fn check_frame(planned: &Available, frame: &Frame) -> Result<()> {
     let there = Available::in_frame(frame);
+    let (plan, here) = (planned.light, there.light);
+    let layer = plan.occlusion && !plan.occlusion_is_computed;
+    let occlusion = [planned.occlusion, there.occlusion];
+    let importance = [planned.importance, there.importance];
+    let positions = [planned.positions, there.positions];
     let layers = [
-        ("depth", planned.depth, there.depth),
-        ("a picture", planned.color, there.color),
-        ("an albedo", planned.albedo, there.albedo),
-        ("layers of gloss", planned.gloss, there.gloss),
-        (
-            "an occlusion map or alpha",
-            planned.occlusion,
-            there.occlusion,
-        ),
-        ("a map of importance", planned.importance, there.importance),
-        ("depth and a camera", planned.positions, there.positions),
-        (
-            "layers of diffuse light",
-            planned.light.diffuse,
-            there.light.diffuse,
-        ),
-        (
-            "layers of specular light",
-            planned.light.specular,
-            there.light.specular,
-        ),
-        ("light groups", planned.light.groups, there.light.groups),
-        (
-            "a layer of ambient occlusion",
-            planned.light.occlusion && !planned.light.occlusion_is_computed,
-            there.light.occlusion,
-        ),
+        ("depth", [planned.depth, there.depth]),
+        ("a picture", [planned.color, there.color]),
+        ("an albedo", [planned.albedo, there.albedo]),
+        ("layers of gloss", [planned.gloss, there.gloss]),
+        ("an occlusion map or alpha", occlusion),
+        ("a map of importance", importance),
+        ("depth and a camera", positions),
+        ("layers of diffuse light", [plan.diffuse, here.diffuse]),
+        ("layers of specular light", [plan.specular, here.specular]),
+        ("light groups", [plan.groups, here.groups]),
+        ("a layer of ambient occlusion", [layer, here.occlusion]),
     ];
-    match layers.iter().find(|(_, planned, there)| *planned && !there) {
+    match layers.iter().find(|(_, has)| *has == [true, false]) {
         Some((name, ..)) => Err(missing(name, "the frame has none")),
         None => Ok(()),
     }

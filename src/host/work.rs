@@ -148,9 +148,10 @@ impl Work {
 
 /// Whether an argument names a layer or a file of the frame, or how its colours are stored.
 fn names_input(arg: &Arg) -> bool {
-    let form = arg.get_value_names().and_then(<[_]>::first);
-    let form = form.map_or("", |form| form.as_str());
-    let is_of_frame = matches!(arg.get_help_heading(), Some(INPUTS | "Mirrors and lenses"));
+    let forms = arg.get_value_names().unwrap_or_default();
+    let form = forms.first().map_or("", |form| form.as_str());
+    let heading = arg.get_help_heading();
+    let is_of_frame = matches!(heading, Some(INPUTS | "Mirrors and lenses"));
     let is_file = is_of_frame && matches!(form, "NAME" | "FILE" | "JSON");
     let is_layer = form.starts_with("NAME|FILE") || form.starts_with("NAME=");
     let is_parameter = arg.get_long().is_some_and(|name| param(name).is_some());

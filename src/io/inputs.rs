@@ -4,6 +4,7 @@ use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
 pub use crate::frame::{Flip, NormalEncoding, StoredDepth};
 use crate::io::colorspace::ColorSpace;
 use crate::params::ObjectAngle;
+use crate::params::table::rows;
 #[cfg(feature = "cli")]
 use crate::params::words::{auto_or, one_of, word_or};
 use glam::Vec3;
@@ -42,129 +43,105 @@ fn wraps() -> impl Iterator<Item = (Wrap, &'static str)> {
     words.filter_map(|word| Some((Wrap::named(word)?, word)))
 }
 
-/// Files and layers of a frame, and how to read them: each field with a flag is a row of the table of inputs.
-///
-/// A role that is `None` is found by its layer's name or numbers; a name refers to a layer of the picture or, if there
-/// is no such layer, to another file; [`NONE`] leaves the role out. Without normals they are
-/// those of depth or positions, and of heights, whatever else there is.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-#[cfg_attr(feature = "cli", command(next_help_heading = INPUTS))]
-pub struct Inputs {
-    /// The picture: an EXR with its layers, or a photo.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub picture: PathBuf,
-    /// View to take all layers from (as in left), for files with several; the default view if not given.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME", hide_short_help = true)
-    )]
-    pub view: Option<String>,
-    /// Group to take all layers from, such as a view layer (FG for FG.Normal.X), for files with several; that with
-    /// normals, the default picture, or the first if not given. inspect lists them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
-    pub layer: Option<String>,
-    /// Normals: a layer of IN or a file.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE"))]
-    pub normal: Option<String>,
-    /// Depth: a layer of IN or a file; none leaves it out.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE|none"))]
-    pub depth: Option<String>,
-    /// World-space positions: a layer of IN or a file; none leaves it out.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE|none", hide_short_help = true)
-    )]
-    pub position: Option<String>,
-    /// The picture to be enhanced: a layer of IN or a file.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE"))]
-    pub color: Option<String>,
-    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out. computed
-    /// is that of the shape: for relight --sky-shadows on without a layer, for enhance what --scaling-ambient scales.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE|none|computed", hide_short_help = true)
-    )]
-    pub occlusion: Option<String>,
-    /// Colour of the surface itself.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub albedo: Option<String>,
-    /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE", hide_short_help = true)
-    )]
-    pub importance: Option<String>,
-    /// Motion since the previous frame, in any convention; read only if [`Needs`] ask for it.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub motion: Option<String>,
-    /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is computed over the whole
-    /// picture, and the gain is that of this part; drawings and measurements cover the pixels where the mask is above one
-    /// half.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME|FILE"))]
-    pub mask: Option<String>,
-    /// Only this object, by its name in Cryptomatte, * and ? for any letters, its hash, as in 0x05777012, or its number in
-    /// an index pass; !NAME leaves one out. May be given several times.
-    #[cfg_attr(feature = "cli", arg(long = "object", value_name = "NAME"))]
-    pub objects: Vec<String>,
-    /// File with the Cryptomatte or the index passes that tell objects apart, where IN has none; of the same size.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
-    pub cryptomatte: Option<PathBuf>,
-    /// Stroke angles of single objects, overriding curvature.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub object_angles: Vec<ObjectAngle>,
-    /// Where a surface is seen, above one half: a layer of IN or a file. Normals elsewhere are ignored.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE", hide_short_help = true)
-    )]
-    pub coverage: Option<String>,
-    /// Space of the normals.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SPACE", hide_short_help = true, default_value = "auto", value_parser = auto_or(NORMAL_SPACES)))]
-    pub normal_space: std::option::Option<NormalSpace>,
-    /// Encoding of the normals: signed (-1..1), unsigned (0..1), or two channels of which z is rebuilt: xy (red, green), ag
-    /// (x in alpha, y in green), oct (octahedral).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "ENCODING", hide_short_help = true, default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS)))]
-    pub normal_encoding: std::option::Option<NormalEncoding>,
-    /// Axes of the normals that point the wrong way: as in y or xz, none, or auto; or who wrote them: opengl (none),
-    /// directx (y), opencv (yz), stablenormal, dsine or bae (x).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "AXES", default_value = "auto", value_parser = word_or::<Flip>("auto")))]
-    pub normal_flip: std::option::Option<Flip>,
-    /// Quantity stored as depth.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", hide_short_help = true, default_value = "auto", value_parser = auto_or(StoredDepth::ALL)))]
-    pub depth_kind: std::option::Option<StoredDepth>,
-    /// Pixels that a height of 1 is high. By default floats are pixels, and white is a tenth of the longer side in
-    /// pictures of integers.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "PIXELS",
-            hide_short_help = true,
-            requires = "height"
-        )
-    )]
-    pub height_scale: Option<f32>,
-    /// Colour space of the inputs: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos are srgb
-    /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SPACE", hide_short_help = true, default_value = "auto", value_parser = auto_or(ColorSpace::ALL)))]
-    pub colorspace: std::option::Option<ColorSpace>,
-    /// Opposite borders that continue each other, in a picture that is a tile: none, x (left and right), y, xy, or auto,
-    /// those across which normals change no more than beside them. Results then continue across them.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "BORDERS", hide_short_help = true, default_value = "none", value_parser = one_of(wraps())))]
-    pub wrap: Wrap,
-    /// Camera as JSON: world_to_camera and focal_px, or other keys listed in docs/guide/files.md.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
-    pub camera: Option<PathBuf>,
-    /// Light layers; read only if requested here.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub light: Option<LightInputs>,
-    /// Rows of the frame to be read, counted from the top of its data window; all where not given.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub rows: Option<Range<usize>>,
-    /// The camera, if already known; it takes precedence over all others.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub known_camera: Option<KnownCamera>,
+rows! {
+    /// Files and layers of a frame, and how to read them: each field with a flag is a row of the table of inputs.
+    ///
+    /// A role that is `None` is found by its layer's name or numbers; a name refers to a layer of the picture or, if there
+    /// is no such layer, to another file; [`NONE`] leaves the role out. Without normals they are
+    /// those of depth or positions, and of heights, whatever else there is.
+    #[derive(Debug, Clone, Default, PartialEq)]
+    #[cfg_attr(feature = "cli", command(next_help_heading = INPUTS))]
+    pub struct Inputs {
+        /// The picture: an EXR with its layers, or a photo.
+        pub picture: PathBuf = [skip];
+        /// View to take all layers from (as in left), for files with several; the default view if not given.
+        pub view: Option<String> = [long, value_name = "NAME", hide_short_help = true];
+        /// Group to take all layers from, such as a view layer (FG for FG.Normal.X), for files with several; that with
+        /// normals, the default picture, or the first if not given. inspect lists them.
+        pub layer: Option<String> = [long, value_name = "NAME"];
+        /// Normals: a layer of IN or a file.
+        pub normal: Option<String> = [long, value_name = "NAME|FILE"];
+        /// Depth: a layer of IN or a file; none leaves it out.
+        pub depth: Option<String> = [long, value_name = "NAME|FILE|none"];
+        /// World-space positions: a layer of IN or a file; none leaves it out.
+        pub position: Option<String> = [long, value_name = "NAME|FILE|none", hide_short_help = true];
+        /// The picture to be enhanced: a layer of IN or a file.
+        pub color: Option<String> = [long, value_name = "NAME|FILE"];
+        /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out. computed
+        /// is that of the shape: for relight --sky-shadows on without a layer, for enhance what --scaling-ambient scales.
+        pub occlusion: Option<String> = [long, value_name = "NAME|FILE|none|computed", hide_short_help = true];
+        /// Colour of the surface itself.
+        pub albedo: Option<String> = [skip];
+        /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
+        pub importance: Option<String> = [long, value_name = "NAME|FILE", hide_short_help = true];
+        /// Motion since the previous frame, in any convention; read only if [`Needs`] ask for it.
+        pub motion: Option<String> = [skip];
+        /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is computed over the whole
+        /// picture, and the gain is that of this part; drawings and measurements cover the pixels where the mask is above one
+        /// half.
+        pub mask: Option<String> = [long, value_name = "NAME|FILE"];
+        /// Only this object, by its name in Cryptomatte, * and ? for any letters, its hash, as in 0x05777012, or its number in
+        /// an index pass; !NAME leaves one out. May be given several times.
+        pub objects: Vec<String> = [long = "object", value_name = "NAME"];
+        /// File with the Cryptomatte or the index passes that tell objects apart, where IN has none; of the same size.
+        pub cryptomatte: Option<PathBuf> = [long, value_name = "FILE"];
+        /// Stroke angles of single objects, overriding curvature.
+        pub object_angles: Vec<ObjectAngle> = [skip];
+        /// Where a surface is seen, above one half: a layer of IN or a file. Normals elsewhere are ignored.
+        pub coverage: Option<String> = [long, value_name = "NAME|FILE", hide_short_help = true];
+        /// Space of the normals.
+        pub normal_space: std::option::Option<NormalSpace> =
+            [long, value_name = "SPACE", hide_short_help = true, default_value = "auto", value_parser = auto_or(NORMAL_SPACES)];
+        /// Encoding of the normals: signed (-1..1), unsigned (0..1), or two channels of which z is rebuilt: xy (red, green), ag
+        /// (x in alpha, y in green), oct (octahedral).
+        pub normal_encoding: std::option::Option<NormalEncoding> =
+            [long, value_name = "ENCODING", hide_short_help = true, default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS)];
+        /// Axes of the normals that point the wrong way: as in y or xz, none, or auto; or who wrote them: opengl (none),
+        /// directx (y), opencv (yz), stablenormal, dsine or bae (x).
+        pub normal_flip: std::option::Option<Flip> =
+            [long, value_name = "AXES", default_value = "auto", value_parser = word_or::<Flip>("auto")];
+        /// Quantity stored as depth.
+        pub depth_kind: std::option::Option<StoredDepth> =
+            [long, value_name = "KIND", hide_short_help = true, default_value = "auto", value_parser = auto_or(StoredDepth::ALL)];
+        /// Pixels that a height of 1 is high. By default floats are pixels, and white is a tenth of the longer side in
+        /// pictures of integers.
+        pub height_scale: Option<f32> = [long, value_name = "PIXELS", hide_short_help = true, requires = "height"];
+        /// Colour space of the inputs: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos are srgb
+        /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
+        pub colorspace: std::option::Option<ColorSpace> =
+            [long, value_name = "SPACE", hide_short_help = true, default_value = "auto", value_parser = auto_or(ColorSpace::ALL)];
+        /// Opposite borders that continue each other, in a picture that is a tile: none, x (left and right), y, xy, or auto,
+        /// those across which normals change no more than beside them. Results then continue across them.
+        pub wrap: Wrap =
+            [long, value_name = "BORDERS", hide_short_help = true, default_value = "none", value_parser = one_of(wraps())];
+        /// Camera as JSON: world_to_camera and focal_px, or other keys listed in docs/guide/files.md.
+        pub camera: Option<PathBuf> = [long, value_name = "FILE"];
+        /// Light layers; read only if requested here.
+        pub light: Option<LightInputs> = [skip];
+        /// Rows of the frame to be read, counted from the top of its data window; all where not given.
+        pub rows: Option<Range<usize>> = [skip];
+        /// The camera, if already known; it takes precedence over all others.
+        pub known_camera: Option<KnownCamera> = [skip];
+    }
+}
+
+#[cfg(feature = "cli")]
+impl Inputs {
+    /// The rows that name a layer or a file, and those that name a file: each may be another one for each frame of a
+    /// sequence.
+    pub(crate) fn names(&mut self) -> ([&mut Option<String>; 8], [&mut Option<PathBuf>; 2]) {
+        let layers = [
+            &mut self.normal,
+            &mut self.depth,
+            &mut self.position,
+            &mut self.color,
+            &mut self.occlusion,
+            &mut self.importance,
+            &mut self.mask,
+            &mut self.coverage,
+        ];
+        (layers, [&mut self.camera, &mut self.cryptomatte])
+    }
 }
 
 /// Requirements of a run on the frame, beyond its shape.
@@ -209,49 +186,31 @@ pub struct KnownCamera {
     pub is_placed: bool,
 }
 
-/// Which layers of light are wanted. A lobe that is not named is found by its layers' names.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct LightInputs {
-    /// Whether lobes are read.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub lobes: LobeChoice,
-    /// Leaves out diffuse lobes of any name.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub without_diffuse: bool,
-    /// Leaves out all other lobes.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub without_specular: bool,
-    /// Diffuse light, the surface's colour included: a layer of IN or a file.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE", hide_short_help = true)
-    )]
-    pub diffuse: Option<String>,
-    /// Specular light, the surface's colour included: a layer of IN or a file.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE", hide_short_help = true)
-    )]
-    pub specular: Option<String>,
-    /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE", hide_short_help = true)
-    )]
-    pub albedo: Option<String>,
-    /// Light groups; if there are any, lobes are not read.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub groups: Vec<GroupInput>,
-    /// Whether ambient occlusion is read.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub occlusion: bool,
-    /// Whether the light is read that a diffuse colour does not tell of.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub gloss: bool,
-    /// Whether colours of gloss are tints, where that is known.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub gloss_is_tint: Option<bool>,
+rows! {
+    /// Which layers of light are wanted. A lobe that is not named is found by its layers' names.
+    #[derive(Debug, Clone, Default, PartialEq)]
+    pub struct LightInputs {
+        /// Whether lobes are read.
+        pub lobes: LobeChoice = [skip];
+        /// Leaves out diffuse lobes of any name.
+        pub without_diffuse: bool = [skip];
+        /// Leaves out all other lobes.
+        pub without_specular: bool = [skip];
+        /// Diffuse light, the surface's colour included: a layer of IN or a file.
+        pub diffuse: Option<String> = [long, value_name = "NAME|FILE", hide_short_help = true];
+        /// Specular light, the surface's colour included: a layer of IN or a file.
+        pub specular: Option<String> = [long, value_name = "NAME|FILE", hide_short_help = true];
+        /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
+        pub albedo: Option<String> = [long, value_name = "NAME|FILE", hide_short_help = true];
+        /// Light groups; if there are any, lobes are not read.
+        pub groups: Vec<GroupInput> = [skip];
+        /// Whether ambient occlusion is read.
+        pub occlusion: bool = [skip];
+        /// Whether the light is read that a diffuse colour does not tell of.
+        pub gloss: bool = [skip];
+        /// Whether colours of gloss are tints, where that is known.
+        pub gloss_is_tint: Option<bool> = [skip];
+    }
 }
 
 pub use crate::params::{LobeChoice, Wrap};

@@ -408,6 +408,29 @@ macro_rules! params {
     (@check $this:ident $field:ident) => { Parameters::check(&$this.$field)? };
 }
 
+/// Defines a struct of inputs, outputs or other flags that are no parameters: a row is a field with its help and, in
+/// brackets, what the command line has to know of it; a group of further rows stands `as flatten`.
+macro_rules! rows {
+    (
+        $(#[$meta:meta])*
+        $vis:vis struct $name:ident {
+            $($(#[$attribute:meta])* $field_vis:vis $field:ident: $type:ty $(as $flatten:ident)? $(= [$($arg:tt)*])?;)*
+        }
+    ) => {
+        #[cfg_attr(feature = "cli", derive(clap::Args))]
+        $(#[$meta])*
+        $vis struct $name {
+            $(
+                $(#[$attribute])*
+                $(#[cfg_attr(feature = "cli", command($flatten))])?
+                $(#[cfg_attr(feature = "cli", arg($($arg)*))])?
+                $field_vis $field: $type,
+            )*
+        }
+    };
+}
+pub(crate) use rows;
+
 /// Defines an enum of parameter values, each with its word. An enum that derives [`Default`] marks one as `[default]`.
 macro_rules! choices {
     (

@@ -7,9 +7,8 @@ use super::page::{level, png};
 use super::subject::{ReportSubject, Shot};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
-use crate::io::exr::{
-    ExrFile, Limits, OutputChannel, OutputCompression, OutputPart, OutputType, write_results,
-};
+use crate::io::exr::{ExrFile, Limits, OutputCompression, OutputPart, OutputType, write_results};
+use crate::io::output::layers::color_channels;
 use crate::product::PART;
 use OutputCompression::{Dwaa, None, Piz, Zip, Zips};
 use OutputType::{Float, Half};
@@ -84,19 +83,13 @@ fn part<'a>(
     sample_type: OutputType,
     compression: OutputCompression,
 ) -> OutputPart<'a> {
-    let channels = [("R", &color.r), ("G", &color.g), ("B", &color.b)];
-    let channels = channels.map(|(name, plane)| OutputChannel {
-        name: name.into(),
-        plane,
-        sample_type,
-    });
     let window = Window::from_size(color.r.width(), color.r.height());
     OutputPart {
         name: PART.into(),
         data_window: window,
         display_window: window,
         pixel_aspect: subject.frame.pixel_aspect,
-        channels: channels.into(),
+        channels: color_channels(Option::None, color, Option::None, sample_type),
         attributes: Vec::new(),
         chromaticities: Option::None,
         compression,

@@ -6,6 +6,7 @@ use super::text::{
     hardly_shows, ms, percent, same_stages, trust,
 };
 use super::{LeftOut, Reference, Report, SEEN, Tried};
+use crate::io::picture::{ViewTransform, small_png};
 use crate::untrusted::Untrusted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -24,21 +25,17 @@ const STYLE: &str = include_str!("page.css");
 /// A picture of 8 bits as a PNG.
 pub(super) fn png([width, height]: [usize; 2], codes: &Codes) -> Vec<u8> {
     let rgb = codes.iter().take(width * height);
-    let rgb = rgb.flat_map(|[r, g, b, _]| [r, g, b].map(level));
-    encoded([width, height], &rgb.collect::<Vec<_>>())
+    let rgb: Vec<u8> = rgb.flat_map(|[r, g, b, _]| [r, g, b].map(level)).collect();
+    let (mut png, [width, height]) = (Vec::new(), [width as u32, height as u32]);
+    PngEncoder::new(&mut png)
+        .write_image(&rgb, width, height, ExtendedColorType::Rgb8)
+        .expect("memory can be written to");
+    png
 }
 
 /// A code as one of 8 bits.
 pub(super) fn level(code: &u16) -> u8 {
     ((u32::from(*code) + 128) / 257) as u8
-}
-
-fn encoded([width, height]: [usize; 2], rgb: &[u8]) -> Vec<u8> {
-    let mut png = Vec::new();
-    PngEncoder::new(&mut png)
-        .write_image(rgb, width as u32, height as u32, ExtendedColorType::Rgb8)
-        .expect("memory can be written to");
-    png
 }
 
 /// The page.
@@ -181,18 +178,19 @@ fn of_part(part: &LeftOut, is_spare: bool) -> (Vec<String>, &'static str) {
 /// The frame before and after, and where it is off.
 fn pictures(report: &Report) -> String {
     let shown = &report.pictures;
-    let figure = |rgb: Vec<u8>, size: [usize; 2], caption: &str| {
-        let data = STANDARD.encode(encoded(size, &rgb));
+    let (width, size) = (shown.size[0], shown.size);
+    let figure = |caption: &str, at: &dyn Fn(usize, usize) -> f32| {
+        let at = |x: usize, y: usize, c: usize| at(y * width + x, c);
+        let png = small_png(size, LONGEST, at, ViewTransform::None);
+        let data = STANDARD.encode(png.expect("memory can be written to"));
         format!(
             "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>\n"
         )
     };
     let of_codes = |codes: &Codes, caption: &str| {
-        let (rgb, size) = small(shown.size, |i| {
-            let [r, g, b, _] = codes[i];
-            [r, g, b].map(|code| f32::from(code) / 257.0)
-        });
-        figure(rgb, size, caption)
+        figure(caption, &|i, c| {
+            f32::from(codes[i][c]) / f32::from(u16::MAX)
+        })
     };
     let mut figures = String::new();
     if let Some(before) = &shown.before {
@@ -200,31 +198,10 @@ fn pictures(report: &Report) -> String {
     }
     figures += &of_codes(&shown.after, "as given");
     if !shown.error.is_empty() && report.settings[0].error.largest >= 1.0 {
-        let (rgb, size) = small(shown.size, |i| {
-            [255.0 * (shown.error[i] / BRIGHTEST).min(1.0); 3]
-        });
-        figures += &figure(rgb, size, "error as given: white is 8 levels or more");
+        let caption = "error as given: white is 8 levels or more";
+        figures += &figure(caption, &|i, _| shown.error[i] / BRIGHTEST);
     }
     format!("<div class=\"row\">\n{figures}</div>\n")
-}
-
-/// A picture made small enough for the page, each pixel the mean of a square, and its size.
-fn small([width, height]: [usize; 2], at: impl Fn(usize) -> [f32; 3]) -> (Vec<u8>, [usize; 2]) {
-    let step = width.max(height).div_ceil(LONGEST).max(1);
-    let size = [width, height].map(|side| side.div_ceil(step));
-    let mean = |x: usize, y: usize| {
-        let rows = y * step..((y + 1) * step).min(height);
-        let columns = x * step..((x + 1) * step).min(width);
-        let count = (rows.len() * columns.len()) as f32;
-        let mut sum = [0.0_f32; 3];
-        for i in rows.flat_map(|y| columns.clone().map(move |x| y * width + x)) {
-            let sample = at(i);
-            sum.iter_mut().zip(sample).for_each(|(sum, v)| *sum += v);
-        }
-        sum.map(|sum| (sum / count).round() as u8)
-    };
-    let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
-    (pixels.flat_map(|(x, y)| mean(x, y)).collect(), size)
 }
 
 /// Error against time, both by factors: the settings as points, those that nothing beats joined.

@@ -10,7 +10,7 @@ use crate::command::flags::Flag;
 use crate::command::invocation::Invocation;
 use crate::command::recipe::{COMMANDS, Recipe};
 use crate::engine::{Engine, Outcome, Run};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::frame::{ColorPlanes, Frame, LightLayers, SpecularScene};
 use crate::io::colorspace::Chromaticities;
 use crate::io::picture::pixels_16;
@@ -311,20 +311,14 @@ impl ReportSubject {
 
 /// The words of --for: a command with its flags.
 fn split(text: &str) -> Result<Vec<String>> {
-    let bad = |found: String, remedy: String| Error::BadParameter {
-        name: "--for",
-        found,
-        remedy,
-    };
-    let words = shlex::split(text).ok_or_else(|| {
-        let found = "has a quote that does not end".to_string();
-        bad(found, "end it".into())
-    })?;
+    let words = shlex::split(text);
+    let words = words.ok_or_else(|| bad("--for", "has a quote that does not end", "end it"))?;
     let start = usize::from(words.first().is_some_and(|word| word == "relievo"));
     let words = words[start..].to_vec();
     match words.first() {
         Some(name) if COMMANDS.contains(&&name[..]) => Ok(words),
         other => Err(bad(
+            "--for",
             format!("begins with {}", other.map_or("nothing", String::as_str)),
             format!("begin it with one of {}, without IN", COMMANDS.join(", ")),
         )),
@@ -332,10 +326,10 @@ fn split(text: &str) -> Result<Vec<String>> {
 }
 
 fn parsed(typed: Invocation) -> Result<Command> {
-    let parsed = typed.parse().map_err(|error| Error::BadParameter {
-        name: "--for",
-        found: misuse_line(&error).replacen("error: ", "", 1),
-        remedy: "give a command with its flags, without IN and -o".into(),
+    let parsed = typed.parse().map_err(|error| {
+        let found = misuse_line(&error).replacen("error: ", "", 1);
+        let remedy = "give a command with its flags, without IN and -o";
+        bad("--for", found, remedy)
     })?;
     Ok(parsed.command)
 }

@@ -98,15 +98,6 @@ impl EnhanceArgs {
     }
 }
 
-impl WorkArgs {
-    /// Refuses what does not go with a single picture.
-    pub(super) fn check_one_picture(&self) -> Result<()> {
-        self.output.kind()?;
-        self.output.refuse_numbers()?;
-        self.flags.refuse_more_scales()
-    }
-}
-
 /// Warns past the limit beyond which concavities lose their order of brightness ([RS] claims it only for convexities).
 pub(crate) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
     let limit = monotone_limit(scaling.invariant_point);

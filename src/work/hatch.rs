@@ -88,7 +88,7 @@ impl FrameWork for HatchArgs {
     fn reading(&self, light: &Illumination) -> Result<(Inputs, Needs)> {
         let mut needs = needs(&self.relight.params(), light);
         // Lines of an SVG are either there or not, so the mask is read as coverage.
-        needs.strength = !is_svg(self.args());
+        needs.strength = !self.args().output.is_svg();
         needs.confidence_if_any = false;
         let LineParams {
             contours, interior, ..
@@ -153,14 +153,14 @@ impl FrameWork for HatchArgs {
             seen.light.to_mut().directional.push(lamp);
         }
         let mut plan = request.plan(available)?;
-        plan.inks_strokes = !is_svg(self.args());
+        plan.inks_strokes = !self.args().output.is_svg();
         plan.keeps_tone = plan.inks_strokes && self.args().output.kind()? == OutputKind::Exr;
         Ok(vec![plan])
     }
 
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
         let params = &self.args().flags.params;
-        let is_picture = !is_svg(self.args());
+        let is_picture = !self.args().output.is_svg();
         is_picture.then(|| MadePicture::drawn(outcome, params, frame.pixel_aspect))?
     }
 
@@ -180,7 +180,10 @@ impl FrameWork for HatchArgs {
     }
 
     fn lines<'a>(&self, frame: &Frame, outcome: &'a Outcome) -> Option<svg::LinePage<'a>> {
-        let drawing = outcome.drawing.as_ref().filter(|_| is_svg(self.args()))?;
+        let drawing = outcome
+            .drawing
+            .as_ref()
+            .filter(|_| self.args().output.is_svg())?;
         Some(page(drawing, &self.args().flags.params, &frame.into()))
     }
 }
@@ -195,7 +198,7 @@ impl HatchArgs {
     fn checked(&self, mut line: LineParams) -> Result<LineParams> {
         let work = self.args();
         work.flags.refuse_more_scales()?;
-        if !is_svg(work) {
+        if !work.output.is_svg() {
             refuse_grey(work.output.kind()?, line.strokes.ink)?;
             return Ok(line);
         }
@@ -222,9 +225,7 @@ impl HatchArgs {
         let is_asked = params.enlarge != Enlargement::Times(1) || params.size.is_some();
         let output = &self.relight.work.output;
         let has_size = match output.output {
-            Some(_) => {
-                !is_svg(&self.relight.work) && !matches!(output.kind(), Ok(OutputKind::Picture(_)))
-            }
+            Some(_) => !output.is_svg() && !matches!(output.kind(), Ok(OutputKind::Picture(_))),
             None => true,
         };
         let style = self.params().strokes.style;
@@ -262,7 +263,7 @@ impl HatchArgs {
     fn drawing_bytes(&self, display_window: Window, pixels: u64, times: f64) -> Result<u64> {
         let work = &self.relight.work;
         let mut params = work.flags.params;
-        if is_svg(work) {
+        if work.output.is_svg() {
             in_lines(&mut params.line.strokes)?;
         }
         let [width, height] = enlarged_size(display_window, times);
@@ -346,11 +347,6 @@ fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<Tonal
         &io::read_art_map(path, most_bytes)?,
         factor.recip(),
     ))
-}
-
-/// Whether the drawing is written as SVG lines.
-pub(crate) fn is_svg(work: &WorkArgs) -> bool {
-    work.output.is_svg()
 }
 
 impl WorkArgs {

@@ -70,12 +70,10 @@ impl<'a> Making<'a> {
             color => color.map(Cow::into_owned),
         };
         made.outcome.color = color.or(made.outcome.color.take());
-        for map in work
-            .maps()
-            .iter()
-            .flat_map(|args| args.made(&made.maps, frame))
-        {
-            made.planes.extend(map?.named());
+        if let Some(args) = work.maps() {
+            for map in args.made(&made.maps, frame) {
+                made.planes.extend(map?.named());
+            }
         }
         let lines = work.lines(frame, &made.outcome);
         made.svg = lines.map(|lines| text_of(&lines)).transpose()?;

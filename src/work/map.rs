@@ -374,15 +374,13 @@ impl MapArgs {
         frame: &'a Frame,
     ) -> impl Iterator<Item = Result<MadeMap>> + 'a {
         let parts = self.parts().into_iter();
-        parts.map(move |part| self.one(part, samples, frame))
-    }
-
-    fn one(&self, part: MapPart, samples: &MapSamples, frame: &Frame) -> Result<MadeMap> {
-        let (planes, range) = self.planes(&part, samples, frame)?;
-        Ok(MadeMap {
-            part,
-            planes,
-            range,
+        parts.map(move |part| {
+            let (planes, range) = self.planes(&part, samples, frame)?;
+            Ok(MadeMap {
+                part,
+                planes,
+                range,
+            })
         })
     }
 

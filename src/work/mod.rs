@@ -10,7 +10,6 @@ pub(crate) mod shape;
 pub(crate) mod source;
 
 pub(crate) use enhance::dark_rims;
-pub(crate) use hatch::is_svg;
 #[cfg(feature = "view")]
 pub(crate) use relight::{illumination, lights};
 
@@ -124,8 +123,10 @@ pub(crate) trait FrameWork: Sync {
         None
     }
 
-    /// Refuses settings that contradict each other or the output.
-    fn check(&self) -> Result<()>;
+    /// Refuses settings that contradict each other or the output: what does not go with a single picture.
+    fn check(&self) -> Result<()> {
+        self.args().check_one_picture()
+    }
 
     /// Refuses what mirrors and lenses are to show where it cannot be shown.
     fn check_specular(&self, _inputs: &SpecularInputs) -> Result<()> {
@@ -215,6 +216,15 @@ pub(crate) trait FrameWork: Sync {
     /// The lines that were made, if they are written as such.
     fn lines<'a>(&self, _frame: &Frame, _outcome: &'a Outcome) -> Option<svg::LinePage<'a>> {
         None
+    }
+}
+
+impl WorkArgs {
+    /// Refuses what does not go with a single picture.
+    fn check_one_picture(&self) -> Result<()> {
+        self.output.kind()?;
+        self.output.refuse_numbers()?;
+        self.flags.refuse_more_scales()
     }
 }
 

@@ -57,10 +57,6 @@ impl FrameWork for RelightArgs {
         Some(self)
     }
 
-    fn check(&self) -> Result<()> {
-        self.work.check_one_picture()
-    }
-
     fn check_specular(&self, inputs: &SpecularInputs) -> Result<()> {
         let material = self.params().material.material;
         if !material.shows_surroundings() {

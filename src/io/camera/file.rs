@@ -1,6 +1,6 @@
 //! Cameras written as JSON.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
 use crate::untrusted::Untrusted;
@@ -85,13 +85,8 @@ pub(crate) fn camera_of_text(
     display_window: Window,
     pixel_aspect: f32,
 ) -> Result<Camera> {
-    camera_of_json(text, display_window, f64::from(pixel_aspect)).map_err(|rejected| {
-        Error::BadParameter {
-            name: "camera",
-            found: rejected.found,
-            remedy: rejected.remedy,
-        }
-    })
+    camera_of_json(text, display_window, f64::from(pixel_aspect))
+        .map_err(|rejected| bad("camera", rejected.found, rejected.remedy))
 }
 
 /// Reads where a panorama was seen from, in world space, and the turn from world space to its own (x right, y

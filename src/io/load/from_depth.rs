@@ -4,7 +4,7 @@ use super::depth_sense::ABOVE_ONE;
 use super::frame_sources::missing_normals;
 use super::sources::RoleSource;
 use super::view::View;
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::{depth_of_positions, is_distance};
 use crate::frame::from_depth::{Precision, normals_of_depth};
@@ -180,11 +180,7 @@ impl DepthAlone<'_> {
         if let Some(scale) = self.height_scale {
             return match scale.is_finite() {
                 true => Ok(scale),
-                false => Err(Error::BadParameter {
-                    name: "--height-scale",
-                    found: format!("is {scale}"),
-                    remedy: "give pixels".into(),
-                }),
+                false => Err(bad("--height-scale", format!("is {scale}"), "give pixels")),
             };
         }
         let window = self.display_window;

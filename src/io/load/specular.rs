@@ -18,59 +18,33 @@ use crate::frame::{
 use crate::io::judge::normal_encoding::judge_encoding;
 use crate::io::load::Loaded;
 use crate::io::roles::Role;
+use crate::params::table::rows;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The files and layers that mirrors and lenses show.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-#[cfg_attr(feature = "cli", command(next_help_heading = "Mirrors and lenses"))]
-pub struct SpecularInputs {
-    /// Pixels of mirrors or lenses, above one half: a layer of IN or a file; all covered pixels if not given.
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            id = "specular_mask",
-            long = "specular-mask",
-            value_name = "NAME|FILE",
-            hide_short_help = true
-        )
-    )]
-    pub mask: Option<String>,
-    /// Back faces of a lens, normals and depth from the same camera: sight lines are refracted twice, by --ior.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "FILE", hide_short_help = true)
-    )]
-    pub back: Option<PathBuf>,
-    /// The scene without its mirrors and lenses, from the same camera: depth, and normals and colour if any.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "FILE", hide_short_help = true)
-    )]
-    pub behind: Option<PathBuf>,
-    /// The view in all directions around the mirror or lens, equirectangular: positions (or distances), and normals and
-    /// colour if any.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "FILE", hide_short_help = true)
-    )]
-    pub surroundings: Option<PathBuf>,
-    /// Viewpoint of surroundings without positions: a camera file with world_to_camera.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "FILE", hide_short_help = true)
-    )]
-    pub surroundings_camera: Option<PathBuf>,
-    /// World-space points hit by mirrored or refracted sight lines, if the renderer writes them: a layer of IN or a
-    /// file. No search is made then.
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "NAME|FILE", hide_short_help = true)
-    )]
-    pub hit_position: Option<String>,
+rows! {
+    /// The files and layers that mirrors and lenses show.
+    #[derive(Debug, Clone, Default, PartialEq)]
+    #[cfg_attr(feature = "cli", command(next_help_heading = "Mirrors and lenses"))]
+    pub struct SpecularInputs {
+        /// Pixels of mirrors or lenses, above one half: a layer of IN or a file; all covered pixels if not given.
+        pub mask: Option<String> =
+            [id = "specular_mask", long = "specular-mask", value_name = "NAME|FILE", hide_short_help = true];
+        /// Back faces of a lens, normals and depth from the same camera: sight lines are refracted twice, by --ior.
+        pub back: Option<PathBuf> = [long, value_name = "FILE", hide_short_help = true];
+        /// The scene without its mirrors and lenses, from the same camera: depth, and normals and colour if any.
+        pub behind: Option<PathBuf> = [long, value_name = "FILE", hide_short_help = true];
+        /// The view in all directions around the mirror or lens, equirectangular: positions (or distances), and normals and
+        /// colour if any.
+        pub surroundings: Option<PathBuf> = [long, value_name = "FILE", hide_short_help = true];
+        /// Viewpoint of surroundings without positions: a camera file with world_to_camera.
+        pub surroundings_camera: Option<PathBuf> = [long, value_name = "FILE", hide_short_help = true];
+        /// World-space points hit by mirrored or refracted sight lines, if the renderer writes them: a layer of IN or a
+        /// file. No search is made then.
+        pub hit_position: Option<String> = [long, value_name = "NAME|FILE", hide_short_help = true];
+    }
 }
 
 impl SpecularInputs {

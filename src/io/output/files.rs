@@ -1,7 +1,7 @@
 //! The files that a run reads and writes.
 
 use super::target::{directory_of, followed};
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::untrusted::shown;
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -74,18 +74,15 @@ impl Files {
     /// Registers an output, given as the flag `name`. All inputs are registered before.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is already an output.
+    /// [`crate::Error::BadParameter`] if it is an input, lies in a folder that is one, or is already an output.
     pub(crate) fn writes(&mut self, name: &'static str, path: &Path) -> Result<()> {
         // Unreachable paths fail later, on writing.
         let Some(id) = FileId::of(path) else {
             return Ok(());
         };
         let refused = |found: String| {
-            Err(Error::BadParameter {
-                name,
-                found: format!("{} {found}", shown(path)),
-                remedy: "write to another file".into(),
-            })
+            let found = format!("{} {found}", shown(path));
+            Err(bad(name, found, "write to another file"))
         };
         if let Some(input) = self.read.get(&id) {
             return refused(format!("is the input {}", shown(input)));

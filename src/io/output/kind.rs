@@ -37,10 +37,12 @@ impl OutputKind {
 
     /// Error for a name that tells no kind of file, or one that a result does not go to.
     pub(crate) fn unknown(path: &Path) -> Error {
+        let pictures = PictureFormat::endings().map(|ending| format!(", .{ending}"));
+        let pictures: String = pictures.collect();
         bad(
             "-o",
             format!("{} has no known extension", shown(path)),
-            "end it in .exr, .png, .jpg, .tif, .hdr or .npy",
+            format!("end it in .exr{pictures} or .npy"),
         )
     }
 }

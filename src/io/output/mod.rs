@@ -89,15 +89,15 @@ pub fn is_whole(path: &Path) -> bool {
     let Ok(data) = fs::metadata(path) else {
         return false;
     };
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     let ends_with = |end: &[u8]| tail(path, end.len()).is_ok_and(|tail| tail == end);
     data.is_file()
         && data.len() > 0
-        && match extension.to_ascii_lowercase().as_str() {
-            "exr" => ExrFile::open(path, &Limits::default()).is_ok_and(|exr| exr.is_whole()),
-            "png" => ends_with(b"IEND\xae\x42\x60\x82"),
-            "jpg" | "jpeg" => ends_with(&[0xff, 0xd9]),
-            "svg" => ends_with(b"</svg>\n"),
+        && match OutputKind::of(path) {
+            Ok(OutputKind::Exr) => {
+                ExrFile::open(path, &Limits::default()).is_ok_and(|exr| exr.is_whole())
+            }
+            Ok(OutputKind::Svg) => ends_with(b"</svg>\n"),
+            Ok(OutputKind::Picture(format)) => ends_with(format.last_bytes()),
             _ => true,
         }
 }

@@ -17,9 +17,7 @@ pub(crate) fn page<'a>(
     params: &Params,
     extent: &PageExtent,
 ) -> svg::LinePage<'a> {
-    fn line<'a>(points: &'a [Vec2], widths: &'a [f32]) -> svg::Line<'a> {
-        (points, widths)
-    }
+    let line = |points: &'a [Vec2], widths: &'a [f32]| (points, widths);
     let laid = |crosses: bool| {
         let lines = drawing.lines.iter().filter(|line| line.crosses == crosses);
         lines.map(|laid| line(&laid.points, &laid.widths)).collect()

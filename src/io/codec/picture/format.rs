@@ -1,7 +1,12 @@
 //! Output pictures: content, format, and encoding of values.
 
 use super::display::{Display, Shown};
+use super::encoding::Encoding;
+use super::gathered::{write_hdr, write_jpeg};
+use super::stored::{Stored, write_png, write_tiff};
 use crate::frame::{ColorPlanes, Plane};
+use image::ImageResult;
+use std::io::{Seek, Write};
 use std::path::Path;
 
 /// The kinds of pictures that are written.
@@ -18,20 +23,58 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
+    /// All kinds, with the endings of their names and, where their files have one, the end of a whole file.
+    const ALL: [(Self, &[&str], &[u8]); 4] = [
+        (Self::Png, &["png"], b"IEND\xae\x42\x60\x82"),
+        (Self::Jpeg, &["jpg", "jpeg"], &[0xff, 0xd9]),
+        (Self::Tiff, &["tif", "tiff"], &[]),
+        (Self::Hdr, &["hdr"], &[]),
+    ];
+
     /// The format for the extension of `path`.
     pub fn of_path(path: &Path) -> Option<PictureFormat> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "png" => Some(PictureFormat::Png),
-            "jpg" | "jpeg" => Some(PictureFormat::Jpeg),
-            "tif" | "tiff" => Some(PictureFormat::Tiff),
-            "hdr" => Some(PictureFormat::Hdr),
-            _ => None,
-        }
+        let extension = path.extension()?;
+        let is_own = |name: &&str| extension.eq_ignore_ascii_case(name);
+        let mut all = Self::ALL.into_iter();
+        all.find_map(|(format, names, _)| names.iter().any(is_own).then_some(format))
+    }
+
+    /// The usual ending of each kind.
+    pub(crate) fn endings() -> impl Iterator<Item = &'static str> {
+        Self::ALL.into_iter().map(|(_, names, _)| names[0])
+    }
+
+    /// The last bytes of a whole file; none where they tell nothing.
+    pub(crate) fn last_bytes(self) -> &'static [u8] {
+        Self::ALL[self as usize].2
     }
 
     pub(super) fn holds_alpha(self) -> bool {
         matches!(self, PictureFormat::Png | PictureFormat::Tiff)
+    }
+
+    /// Bits of a stored sample of a picture of so many, 32 of floats.
+    pub(super) fn bits(self, wanted: u8) -> u8 {
+        match self {
+            PictureFormat::Jpeg => 8,
+            PictureFormat::Hdr => 32,
+            PictureFormat::Png | PictureFormat::Tiff => wanted,
+        }
+    }
+
+    /// Writes a picture of this kind.
+    pub(super) fn write(
+        self,
+        w: &mut (impl Write + Seek),
+        stored: &Stored,
+        encoding: &Encoding,
+    ) -> ImageResult<()> {
+        match self {
+            PictureFormat::Png => write_png(w, stored, encoding),
+            PictureFormat::Jpeg => write_jpeg(w, stored, encoding),
+            PictureFormat::Tiff => write_tiff(w, stored, encoding),
+            PictureFormat::Hdr => write_hdr(w, stored),
+        }
     }
 }
 

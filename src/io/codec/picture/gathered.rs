@@ -6,11 +6,12 @@ use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
 use super::group::{GROUP, straight};
 use super::scale_bar::Bar;
-use super::stored::{self, Stored, unwritten};
+use super::stored::{Stored, unwritten};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::max_code;
 use crate::params::ScaleBar;
+use image::codecs::hdr::HdrEncoder;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
 use rayon::prelude::*;
@@ -61,16 +62,12 @@ impl Gathered {
     /// If its `bits` are none of 1, 8 and 16, or 1 of colour or alpha.
     pub(crate) fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
         assert!([1, 8, 16].contains(&part.bits), "bits must be 1, 8 or 16");
+        let bits = format.bits(part.bits);
         let channels = match part.alpha {
-            _ if format == PictureFormat::Hdr => 3,
+            _ if bits == 32 => 3,
             Some(_) if format.holds_alpha() => 4,
             _ if part.grey => 1,
             _ => 3,
-        };
-        let bits = match format {
-            PictureFormat::Jpeg => 8,
-            PictureFormat::Hdr => 32,
-            _ => part.bits,
         };
         assert!(bits > 1 || channels == 1, "one bit holds one grey sample");
         Self {
@@ -195,13 +192,6 @@ impl Gathered {
 
     fn encode(&self, w: &mut (impl Write + Seek), encoding: &Encoding) -> ImageResult<()> {
         let [width, height] = self.size;
-        if self.bits == 32 {
-            let (floats, _) = self.samples.as_chunks::<4>();
-            let floats: Vec<f32> = floats.iter().map(|&v| f32::from_ne_bytes(v)).collect();
-            let (pixels, _) = floats.as_chunks::<3>();
-            let pixels: Vec<_> = pixels.iter().map(|&rgb| image::Rgb(rgb)).collect();
-            return image::codecs::hdr::HdrEncoder::new(w).encode(&pixels, width, height);
-        }
         let stored = Stored {
             size: [width as u32, height as u32],
             channels: self.channels,
@@ -210,15 +200,24 @@ impl Gathered {
             profile: encoding.profile().filter(|_| self.is_photo),
             samples: &self.samples,
         };
-        match self.format {
-            PictureFormat::Tiff => stored::write_tiff(w, &stored, encoding),
-            PictureFormat::Jpeg => write_jpeg(w, &stored, encoding),
-            _ => stored::write_png(w, &stored, encoding),
-        }
+        self.format.write(w, &stored, encoding)
     }
 }
 
-fn write_jpeg(w: &mut impl Write, picture: &Stored, encoding: &Encoding) -> ImageResult<()> {
+pub(super) fn write_hdr(w: &mut impl Write, picture: &Stored) -> ImageResult<()> {
+    let (floats, _) = picture.samples.as_chunks::<4>();
+    let floats: Vec<f32> = floats.iter().map(|&v| f32::from_ne_bytes(v)).collect();
+    let (pixels, _) = floats.as_chunks::<3>();
+    let pixels: Vec<_> = pixels.iter().map(|&rgb| image::Rgb(rgb)).collect();
+    let [width, height] = picture.size.map(|side| side as usize);
+    HdrEncoder::new(w).encode(&pixels, width, height)
+}
+
+pub(super) fn write_jpeg(
+    w: &mut impl Write,
+    picture: &Stored,
+    encoding: &Encoding,
+) -> ImageResult<()> {
     let [width, height] = picture.size;
     let mut encoder = JpegEncoder::new_with_quality(w, encoding.quality);
     if let Some(dpi) = picture.dpi {

@@ -12,7 +12,7 @@ mod format;
 mod gathered;
 mod group;
 mod scale_bar;
-#[cfg(any(feature = "host", feature = "view"))]
+#[cfg(feature = "cli")]
 mod small;
 mod stored;
 #[cfg(feature = "cli")]
@@ -26,8 +26,10 @@ pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
-#[cfg(any(feature = "host", feature = "view"))]
+#[cfg(feature = "view")]
 pub(crate) use small::small;
+#[cfg(feature = "cli")]
+pub(crate) use small::small_png;
 #[cfg(feature = "cli")]
 pub(crate) use whites::Whites;
 

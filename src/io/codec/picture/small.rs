@@ -1,6 +1,10 @@
 //! Small versions of pictures.
 
+use super::{Encoding, Picture, PictureFormat, ViewTransform, write_picture_as};
+use crate::error::Result;
 use crate::frame::{ColorPlanes, Plane};
+use std::io::Cursor;
+use std::path::Path;
 
 /// A picture of `size`, columns by rows, made so small that no side is longer than `longest`: each pixel is the mean of a
 /// square. `at` gives the sample at a column and a row, of red, green or blue.
@@ -24,4 +28,21 @@ pub(crate) fn small(
         g: channel(1),
         b: channel(2),
     }
+}
+
+/// The same as a PNG.
+///
+/// # Errors
+/// Any [`crate::Error`] of encoding.
+pub(crate) fn small_png(
+    size: [usize; 2],
+    longest: usize,
+    at: impl Fn(usize, usize, usize) -> f32,
+    transform: ViewTransform,
+) -> Result<Vec<u8>> {
+    let color = small(size, longest, at);
+    let (mut png, name) = (Cursor::new(Vec::new()), Path::new("small.png"));
+    let (picture, encoding) = (Picture::of(&color, transform), Encoding::default());
+    write_picture_as(&mut png, name, PictureFormat::Png, &picture, &encoding)?;
+    Ok(png.into_inner())
 }
