@@ -18,17 +18,18 @@ use std::borrow::Cow;
 /// in, of lamps that take the place of missing light, of enlarged drawings.
 #[derive(Debug, Clone)]
 pub struct Request<'a> {
-    /// `None` for a drawing whose tone is that of the parameters.
-    goal: Option<Goal<'a>>,
-    pub(crate) params: Params,
+    /// The result wanted, with its own parameters; `None` for a drawing whose tone and lines are those of the parameters.
+    pub goal: Option<Goal<'a>>,
+    /// All parameters; of relighting and lines those of a goal that has them count.
+    pub params: Params,
     /// How specular pixels are traced, where the inputs have the scene that they show.
-    specular: Option<SpecularParams>,
+    pub specular: Option<SpecularParams>,
     /// The inputs beside the frame.
     pub inputs: Inputs<'a>,
 }
 
 impl<'a> Request<'a> {
-    /// A result, without inputs beside the frame. Of relighting and lines the parameters in the goal count.
+    /// A result, without inputs beside the frame.
     pub fn new(goal: Goal<'a>, params: Params) -> Self {
         Self {
             goal: Some(goal),

@@ -20,7 +20,8 @@ pub mod srgb {
 }
 mod text;
 
-pub use codec::{colorspace, exr, photo, picture, svg};
+pub(crate) use codec::svg;
+pub use codec::{colorspace, exr, photo, picture};
 pub use finding::Finding;
 pub use inputs::Needs;
 #[cfg(any(feature = "cli", feature = "host"))]

@@ -45,7 +45,6 @@ pub struct PointLight {
 }
 
 /// Azimuth and elevation, in degrees, of the default lamp: from the upper left.
-#[cfg(feature = "cli")]
 pub(crate) const LAMP_DEG: [f32; 2] = [135.0, 40.0];
 
 /// The unit direction at `azimuth_deg` counterclockwise from the right of the picture and `elevation_deg`

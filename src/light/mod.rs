@@ -17,7 +17,6 @@ pub mod light_warping;
 pub mod lights;
 pub mod lit_sphere;
 pub mod median_cut;
-#[cfg(feature = "cli")]
 pub(crate) mod mixing;
 pub(crate) mod octahedral;
 pub(crate) mod prepared_environment;

@@ -9,7 +9,6 @@ pub(crate) mod density;
 pub(crate) mod direction;
 pub(crate) mod direction_field;
 pub(crate) mod drawing;
-#[cfg(feature = "cli")]
 pub(crate) mod fading;
 mod grid;
 pub mod hatching;

@@ -1,6 +1,6 @@
 //! Cameras written as JSON.
 
-use crate::error::{Error, Result, bad};
+use crate::error::{Error, Result};
 use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
 use crate::untrusted::Untrusted;
@@ -86,7 +86,7 @@ pub(crate) fn camera_of_text(
     pixel_aspect: f32,
 ) -> Result<Camera> {
     camera_of_json(text, display_window, f64::from(pixel_aspect))
-        .map_err(|rejected| bad("camera", rejected.found, rejected.remedy))
+        .map_err(|rejected| crate::error::bad("camera", rejected.found, rejected.remedy))
 }
 
 /// Reads where a panorama was seen from, in world space, and the turn from world space to its own (x right, y

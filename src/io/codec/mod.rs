@@ -7,4 +7,4 @@ pub(super) mod outline;
 pub(super) mod pen_way;
 pub mod photo;
 pub mod picture;
-pub mod svg;
+pub(crate) mod svg;

@@ -14,27 +14,27 @@ use std::io::Write;
 use std::path::Path;
 
 /// A drawing of lines.
-pub struct LinePage<'a> {
+pub(crate) struct LinePage<'a> {
     /// The whole picture, which everything is cut to.
-    pub display_window: Window,
+    pub(crate) display_window: Window,
     /// The part whose upper left corner points are counted from.
-    pub data_window: Window,
+    pub(crate) data_window: Window,
     /// Width of a pixel over its height.
-    pub pixel_aspect: f32,
+    pub(crate) pixel_aspect: f32,
     /// Pixels per inch.
-    pub dpi: f32,
+    pub(crate) dpi: f32,
     /// Width and height of the paper that the picture is centred on; without one, the paper is as large as the picture.
-    pub paper_mm: Option<[f32; 2]>,
+    pub(crate) paper_mm: Option<[f32; 2]>,
     /// Layers from below to above: a name, and lines by points in pixels, y down, and widths in pixels.
-    pub layers: Vec<(&'static str, Vec<Line<'a>>)>,
+    pub(crate) layers: Vec<(&'static str, Vec<Line<'a>>)>,
     /// Dots below all layers: middles and radii, in pixels.
-    pub dots: Vec<(Vec2, f32)>,
+    pub(crate) dots: Vec<(Vec2, f32)>,
     /// The number of pens of a plotter, which draws lines along their middle; without one, lines are outlines.
-    pub pens: Option<u32>,
+    pub(crate) pens: Option<u32>,
 }
 
 /// The points of a line and its width at each.
-pub type Line<'a> = (&'a [Vec2], &'a [f32]);
+pub(crate) type Line<'a> = (&'a [Vec2], &'a [f32]);
 
 /// Steps of a coordinate in a pixel.
 const STEPS: f32 = 10.0;
@@ -52,7 +52,7 @@ const LEAST_WIDTH_PX: f32 = 1e-3;
 ///
 /// # Errors
 /// [`Error::Io`] if that fails.
-pub fn write_svg(file: &mut impl Write, path: &Path, drawing: &LinePage) -> Result<()> {
+pub(crate) fn write_svg(file: &mut impl Write, path: &Path, drawing: &LinePage) -> Result<()> {
     write(file, drawing).map_err(Error::io(path, "write"))
 }
 

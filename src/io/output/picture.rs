@@ -144,6 +144,7 @@ pub(crate) struct Displayed<'a> {
     highlights: Highlights,
 }
 
+#[cfg(feature = "cli")]
 impl Displayed<'_> {
     /// The picture that it was derived from.
     pub(crate) fn before(&self) -> Option<&ColorPlanes> {
@@ -154,7 +155,10 @@ impl Displayed<'_> {
     pub(crate) fn is_light(&self) -> bool {
         self.form == Form::Light
     }
+}
 
+impl Displayed<'_> {
+    /// As it goes to a file or a screen.
     pub(crate) fn picture(&self) -> Picture<'_> {
         if let Form::Shown {
             grey,
