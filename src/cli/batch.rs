@@ -35,7 +35,10 @@ fn each(batch: &PictureBatch, task: &Task) -> Result<i32> {
         validate(command.work())?;
         let output = command.work().args().output.output.as_deref();
         let folder = output.map(directory_of);
-        folder.into_iter().try_for_each(make_folder)?;
+        if let Some(folder) = folder {
+            std::fs::create_dir_all(folder).map_err(Error::io(folder, "make"))?;
+            check_folder(folder)?;
+        }
     }
     let commands = all.iter().map(|task| task.command.clone());
     refuse_collisions(commands, task.typed.recipe())?;
@@ -64,9 +67,4 @@ fn own(batch: &PictureBatch, input: &Path, task: &Task) -> Result<Task> {
     let mut own = named.unwrap_or_else(|error| error.exit());
     batch.give(input, name, own.command.work_mut().args_mut());
     Ok(own)
-}
-
-fn make_folder(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(Error::io(folder, "make"))?;
-    check_folder(folder)
 }

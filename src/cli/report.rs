@@ -9,10 +9,10 @@ use crate::command::flags::Flag;
 use crate::command::named::Named;
 use crate::error::{Error, Result, bad};
 use crate::io::output::{Files, Replace, check_folder, remove_leftovers, write_atomically};
-use crate::report::{Asked, Report, all_cases, lines, lines_of_cases, measured, page};
+use crate::report::{Asked, all_cases, lines, lines_of_cases, measured, page};
 use crate::untrusted::shown;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 const PAGE: &str = "report.html";
@@ -75,14 +75,9 @@ fn report(args: &ReportArgs, typed: &[Flag]) -> Result<i32> {
                 .map_err(Error::io(&path, "write"))
         })?;
     }
-    message::result(summary(&report, &output.join(PAGE)))?;
+    let page = output.join(PAGE).display().to_string();
+    message::result(lines(&report).into_iter().chain([page]))?;
     Ok(exit::DONE)
-}
-
-fn summary(report: &Report, page: &Path) -> Vec<String> {
-    let mut lines = lines(report);
-    lines.push(page.display().to_string());
-    lines
 }
 
 /// No file may stand where the directory goes, no input where a file of the report does.

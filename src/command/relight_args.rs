@@ -177,9 +177,4 @@ impl RelightArgs {
         });
         align.into_iter().chain(raking)
     }
-
-    /// Whether some light comes from all directions, so that occlusion dims it.
-    pub(crate) fn dims_by_occlusion(&self) -> bool {
-        self.light.environment.is_some() || self.params().material.ambient > 0.0
-    }
 }

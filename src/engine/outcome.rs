@@ -510,14 +510,13 @@ impl Outcome {
     /// Ends the run of a request by `plan` on a `frame` that was enlarged so many times: mixes, and remembers how its
     /// files are written.
     pub(crate) fn complete(&mut self, plan: &Plan, frame: &Frame, times: f64, params: &Params) {
-        let kinds = [
-            (plan.display, Shows::Curvature),
-            (plan.drawing.is_some(), Shows::Drawing),
-            (plan.relighting.is_some(), Shows::Relit),
-            (plan.enhancement.is_some(), Shows::Enhanced),
-        ];
-        let shows = kinds.into_iter().find(|(is_made, _)| *is_made);
-        let shows = shows.map_or(Shows::Layers, |(_, shows)| shows);
+        let shows = match plan {
+            _ if plan.display => Shows::Curvature,
+            _ if plan.drawing.is_some() => Shows::Drawing,
+            _ if plan.relighting.is_some() => Shows::Relit,
+            _ if plan.enhancement.is_some() => Shows::Enhanced,
+            _ => Shows::Layers,
+        };
         if shows != Shows::Curvature {
             self.mix(frame, times, params);
         }

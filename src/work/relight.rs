@@ -154,7 +154,8 @@ impl RelightArgs {
             occlusion: is_computed.then(|| NONE.into()).or(inputs.occlusion),
             light: Some(LightInputs {
                 lobes: LobeChoice::Off,
-                occlusion: self.dims_by_occlusion(),
+                // Of light that comes from all directions.
+                occlusion: self.light.environment.is_some() || self.params().material.ambient > 0.0,
                 gloss: self.params().albedo == AlbedoSource::Auto
                     && self.light.lit_sphere.is_empty(),
                 ..LightInputs::default()
