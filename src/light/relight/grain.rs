@@ -75,7 +75,7 @@ pub(super) fn without_grain(run: &mut Execution) -> Option<Plane> {
     let is_grainy = plan.relighting.as_ref()?.grainy_occlusion;
     let occlusion = frame.light.occlusion.as_ref().filter(|_| is_grainy)?;
     let key = plan.key(EDGES.name);
-    let quiet = run.copied_or(NAME, Some(&key), |run| {
+    let quiet = run.copied_or(NAME, Some(key), |run| {
         let mut planes = memory.vectors(&frame.mask);
         planes.x.samples_mut().copy_from_slice(occlusion.samples());
         spread(run, NAME, planes, &sweeps())
