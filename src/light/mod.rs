@@ -18,6 +18,7 @@ pub mod lights;
 pub mod lit_sphere;
 pub mod median_cut;
 pub(crate) mod mixing;
+pub(crate) mod occlusion_grain;
 pub(crate) mod octahedral;
 pub(crate) mod prepared_environment;
 pub mod radiance_scaling;

@@ -3,7 +3,7 @@
 use crate::frame::{DepthKind, Frame};
 use crate::light::enhancement::LightAvailable;
 use crate::light::lights::{Illumination, LightKinds};
-use crate::light::relight::grain::is_grainy;
+use crate::light::occlusion_grain::is_grainy;
 use crate::params::{SpecularParams, Style};
 use crate::shape::bends::bends;
 

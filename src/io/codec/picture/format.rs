@@ -2,8 +2,7 @@
 
 use super::display::{Display, Shown};
 use super::encoding::Encoding;
-use super::gathered::{write_hdr, write_jpeg};
-use super::stored::{Stored, write_png, write_tiff};
+use super::stored::{Stored, write_hdr, write_jpeg, write_png, write_tiff};
 use crate::frame::{ColorPlanes, Plane};
 use image::ImageResult;
 use std::io::{Seek, Write};

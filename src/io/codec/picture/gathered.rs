@@ -11,9 +11,7 @@ use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::max_code;
 use crate::params::ScaleBar;
-use image::codecs::hdr::HdrEncoder;
-use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
-use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
+use image::ImageResult;
 use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::ops::Range;
@@ -201,49 +199,6 @@ impl Gathered {
             samples: &self.samples,
         };
         self.format.write(w, &stored, encoding)
-    }
-}
-
-pub(super) fn write_hdr(w: &mut impl Write, picture: &Stored) -> ImageResult<()> {
-    let (floats, _) = picture.samples.as_chunks::<4>();
-    let floats: Vec<f32> = floats.iter().map(|&v| f32::from_ne_bytes(v)).collect();
-    let (pixels, _) = floats.as_chunks::<3>();
-    let pixels: Vec<_> = pixels.iter().map(|&rgb| image::Rgb(rgb)).collect();
-    let [width, height] = picture.size.map(|side| side as usize);
-    HdrEncoder::new(w).encode(&pixels, width, height)
-}
-
-pub(super) fn write_jpeg(
-    w: &mut impl Write,
-    picture: &Stored,
-    encoding: &Encoding,
-) -> ImageResult<()> {
-    let [width, height] = picture.size;
-    let mut encoder = JpegEncoder::new_with_quality(w, encoding.quality);
-    if let Some(dpi) = picture.dpi {
-        encoder.set_pixel_density(density(dpi));
-    }
-    if let Some(profile) = picture.profile {
-        let set = encoder.set_icc_profile(profile.to_vec());
-        set.map_err(ImageError::Unsupported)?;
-    }
-    if let Some(exif) = encoding.exif_of_jpeg(picture.dpi) {
-        let set = encoder.set_exif_metadata(exif);
-        set.map_err(ImageError::Unsupported)?;
-    }
-    let kind = match picture.channels {
-        1 => ExtendedColorType::L8,
-        _ => ExtendedColorType::Rgb8,
-    };
-    encoder.write_image(picture.samples, width, height, kind)
-}
-
-/// Pixels per inch as a JPEG has them.
-fn density(dpi: [f32; 2]) -> PixelDensity {
-    let [across, down] = dpi.map(|dpi| dpi.round() as u16);
-    PixelDensity {
-        density: (across, down),
-        unit: PixelDensityUnit::Inches,
     }
 }
 
