@@ -79,7 +79,7 @@ pub(crate) fn silhouettes_of_gaps([before, after]: [f32; 2], [below, above]: [f3
 /// The weight of a pixel in front of the one before it or of the next, along an axis. Of steps that follow one another
 /// pixel by pixel only the nearest pixel is drawn, so that the line stays one pixel wide.
 #[inline(always)]
-fn in_front(before: f32, after: f32) -> f32 {
+pub(crate) fn in_front(before: f32, after: f32) -> f32 {
     let [behind_before, behind_after] = [larger(before, 0.0), larger(-after, 0.0)];
     let front = larger(after - behind_before, -before - behind_after);
     larger(front, 0.0)
