@@ -69,20 +69,12 @@ fn all_seen(rows: &[Shifted<bool>; 3], i: usize) -> bool {
 /// from the pixel before it and to the next one, and to the row below and from the row above.
 #[inline(always)]
 pub(crate) fn silhouettes_of_gaps([before, after]: [f32; 2], [below, above]: [f32; 2]) -> [f32; 2] {
+    let front = larger(larger(after, -before), larger(below, -above));
     let across = larger(after.abs(), before.abs());
     [
-        larger(in_front(before, after), in_front(above, below)),
+        larger(front, 0.0),
         larger(across, larger(below.abs(), above.abs())),
     ]
-}
-
-/// The weight of a pixel in front of the one before it or of the next, along an axis. Of steps that follow one another
-/// pixel by pixel only the nearest pixel is drawn, so that the line stays one pixel wide.
-#[inline(always)]
-pub(crate) fn in_front(before: f32, after: f32) -> f32 {
-    let [behind_before, behind_after] = [larger(before, 0.0), larger(-after, 0.0)];
-    let front = larger(after - behind_before, -before - behind_after);
-    larger(front, 0.0)
 }
 
 /// Silhouettes of the pixels of a row in `columns`, from the signed weights of the gaps to each pixel from the one before
@@ -153,23 +145,6 @@ mod tests {
         // Half-way from 0.2 to 0.4.
         assert!((weight_of_step(0.3) - 0.5).abs() < 1e-6);
         assert_eq!([0.19, 0.5].map(weight_of_step), [0.0, 1.0]);
-    }
-
-    #[test]
-    fn of_a_stair_the_nearest_pixel_alone_is_drawn() {
-        // Weights of gaps between five pixels, each nearer than the next: 0 1 1 .5 0, and the same from the other end.
-        let drawn = |weights: [f32; 6]| -> Vec<f32> {
-            let of = |pair: &[f32]| silhouettes_of_gaps([pair[0], pair[1]], [0.0; 2])[0];
-            weights.windows(2).map(of).collect()
-        };
-        let down = drawn([0.0, 1.0, 1.0, 0.5, 0.0, 0.0]);
-        assert_eq!(down, [1.0, 0.0, 0.0, 0.0, 0.0]);
-        let mut up = drawn([0.0, 0.0, -0.5, -1.0, -1.0, 0.0]);
-        up.reverse();
-        assert_eq!(up, down);
-        // A ridge between two gaps is in front of both; a faint gap before a full one leaves it half.
-        assert_eq!(drawn([0.0, 0.0, -1.0, 1.0, 0.0, 0.0])[2], 1.0);
-        assert_eq!(drawn([0.0, 0.5, 1.0, 0.0, 0.0, 0.0])[..2], [0.5, 0.5]);
     }
 
     #[test]

@@ -92,16 +92,11 @@ fn depth_gradient(n: vec3<f32>, to_eye: vec2<f32>) -> vec2<f32> {
     return -n.xy * steepness;
 }
 
-// The weight of a pixel in front of the one before it or of the next, along an axis; the nearest of a stair alone has one.
-fn in_front(before: f32, after: f32) -> f32 {
-    return max(max(after - max(before, 0.0), -before - max(-after, 0.0)), 0.0);
-}
-
 // The weights of the silhouettes that a pixel is in front of, and that it is beside.
 fn silhouettes_of_gaps(after: vec2<f32>, before: f32, above: f32) -> vec2<f32> {
-    let front = max(in_front(before, after.x), in_front(above, after.y));
+    let front = max(max(after.x, -before), max(after.y, -above));
     let beside = max(max(abs(after.x), abs(before)), max(abs(after.y), abs(above)));
-    return vec2<f32>(front, beside);
+    return vec2<f32>(max(front, 0.0), beside);
 }
 
 fn write(i: u32, open: f32, g: vec2<f32>, edges: vec2<f32>) {

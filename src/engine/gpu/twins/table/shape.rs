@@ -20,7 +20,7 @@ use crate::shape::diffusion::{Update, flux, through};
 use crate::shape::edges::gpu::{EDGES, GAPS};
 use crate::shape::gradient::depth_gradient;
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
-use crate::shape::silhouette::{in_front, jump_weight, silhouettes_of_gaps};
+use crate::shape::silhouette::{jump_weight, silhouettes_of_gaps};
 use crate::shape::sobel;
 use glam::{Vec2, Vec3};
 
@@ -97,7 +97,6 @@ fn edges() -> Vec<Twin> {
                 (1, 1.0, 2.0),
                 (1, 5.0, 9.0),
             ]),
-        twin("in_front", &EDGES, in_front),
         twin(
             "silhouettes_of_gaps",
             &EDGES,
