@@ -80,21 +80,17 @@ impl GapNoise {
                 Some([at[0]?, at[1]?])
             };
             let parities = self.first.map(|first| first % 2);
+            let places = [0, 1].into_iter().flat_map(|axis| probes(axis, parities));
             let (mut strays, mut calm) = (Vec::with_capacity(PROBES), 0);
-            for i in 0..PROBES as i32 / 8 {
-                let places = [0, 1]
-                    .into_iter()
-                    .flat_map(|axis| probes(i, axis, parities));
-                for (axis, place) in places {
-                    let found = pixel(place).and_then(|at| stray(at, axis));
-                    let Some(px) = found.filter(|px| px.is_finite()) else {
-                        continue;
-                    };
-                    strays.push(px);
-                    calm += usize::from(px < CALM);
-                }
-                // The median of all will not reach it: where there is noise, a gap is calm by chance, and eight are not.
-                if strays.len() == calm && calm == 8 || calm > PROBES / 2 {
+            for (axis, place) in places {
+                let found = pixel(place).and_then(|at| stray(at, axis));
+                let Some(px) = found.filter(|px| px.is_finite()) else {
+                    continue;
+                };
+                strays.push(px);
+                calm += usize::from(px < CALM);
+                // The median of all will not reach it.
+                if calm > PROBES / 2 {
                     return 0.0;
                 }
             }
@@ -150,15 +146,17 @@ impl GapNoise {
     }
 }
 
-/// Four of the gaps along an axis that are looked at in a tile: the axis, and the middles of their first pixels. Mirrored or
+/// The gaps along an axis that are looked at in a tile: the axis, and the middles of their first pixels. Mirrored or
 /// transposed they are the same, for pixels whose middles are at odd places, or at even ones.
-fn probes(i: i32, axis: usize, parities: [i32; 2]) -> impl Iterator<Item = (usize, [i32; 2])> {
+fn probes(axis: usize, parities: [i32; 2]) -> impl Iterator<Item = (usize, [i32; 2])> {
     let line = 6 + parities[1 - axis];
-    // From the middle of the gap to either end of the tile.
-    let middle = 3 - parities[axis] + 4 * i;
-    let starts = [middle - 1, TILE - middle - 1];
+    let starts = (0..PROBES as i32 / 8).flat_map(move |i| {
+        // From the middle of the gap to either end of the tile.
+        let middle = 3 - parities[axis] + 4 * i;
+        [middle - 1, TILE - middle - 1]
+    });
     let places = [line, TILE - line].into_iter().flat_map(move |line| {
-        starts.map(move |start| match axis {
+        starts.clone().map(move |start| match axis {
             0 => [start, line],
             _ => [line, start],
         })

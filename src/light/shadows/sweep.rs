@@ -186,6 +186,12 @@ impl Azimuth {
     }
 }
 
+/// Whether the lower pixel is the nearer one to a line with this share.
+#[inline(always)]
+fn is_lower(share: f32) -> bool {
+    share >= 0.5
+}
+
 /// The course that all lines take.
 pub(super) struct Course {
     looks: Looks,
@@ -209,15 +215,16 @@ impl Course {
         let down = |row: f64| (row as i64).rem_euclid(rows as i64) as usize;
         // Lines through pixels have the upper ones alone.
         let looks = if drift == 0.0 { Looks::Nearer } else { looks };
+        let share = |x: usize| (place(x) - whole(x)) as f32;
         let looking = |x: usize| match looks {
-            Looks::Both => whole(x),
-            Looks::Nearer => (place(x) + 0.5).floor(),
+            Looks::Nearer if is_lower(share(x)) => whole(x) + 1.0,
+            _ => whole(x),
         };
         Self {
             looks,
             down: columns().map(|x| down(whole(x))).collect(),
             looking: columns().map(|x| down(looking(x))).collect(),
-            share: columns().map(|x| (place(x) - whole(x)) as f32).collect(),
+            share: columns().map(share).collect(),
             turns: (1..width)
                 .filter(|&x| whole(x) != whole(x - 1))
                 .map(|x| {
@@ -357,7 +364,7 @@ impl Sweep {
             wide!(pass_planes(lower_eyes, rows, share, |_| true));
             wide!(between_rows(between, rows, [eyes, lower_eyes], share));
         } else {
-            wide!(pass_planes(eyes, rows, share, |share| share >= 0.5));
+            wide!(pass_planes(eyes, rows, share, is_lower));
             wide!(between_rows(between, rows, [eyes, eyes], share));
         }
         let [_, upper, lower, _] = rows;
@@ -403,10 +410,9 @@ fn between_rows(between: &mut [f32], rows: [&[f32]; 4], eyes: [&[f32]; 2], share
     let [of_upper, of_lower] = eyes.map(|row| &row[..n]);
     for x in 0..n {
         let (a, b, w) = (upper[x], lower[x], share[x]);
-        let [nearest, plane] = if w < 0.5 {
-            [a, of_upper[x]]
-        } else {
-            [b, of_lower[x]]
+        let [nearest, plane] = match is_lower(w) {
+            true => [b, of_lower[x]],
+            false => [a, of_upper[x]],
         };
         let alone = if nearest > NOTHING { plane } else { NOTHING };
         let is_surface = a > NOTHING && b > NOTHING;
