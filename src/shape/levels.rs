@@ -56,8 +56,10 @@ fn made(simd: Simd) -> Vec<Vec<f32>> {
     let threshold = SoftThreshold { lo: 0.1, hi: 0.5 };
     at!(
         simd,
-        silhouette::silhouette_row(&mut silhouette, &x, &seen, columns(), threshold)
+        silhouette::jumps_row(&mut silhouette, &x, columns(), threshold)
     );
+    let both = [&mut silhouette[..]];
+    at!(simd, silhouette::close_border_row(both, &seen, columns()));
     at!(
         simd,
         conductance::conductance_row(&mut conductance, &gx[0], &gy[0], &covered[0])
@@ -180,7 +182,7 @@ fn swept<const N: usize>(simd: Simd, update: Update) -> [Vec<f32>; 2] {
     [terms.flatten().flatten().collect(), sums.collect()]
 }
 
-/// Weights of gaps across, and silhouettes of gaps, of sample rows.
+/// Strengths of gaps across, and silhouettes of gaps, of sample rows.
 fn made_of_gaps(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3], out: [&mut [f32]; 3]) {
     let normal = [&a[0][..WIDTH], &b[0][..WIDTH], &a[1][..WIDTH]];
     let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
@@ -207,30 +209,17 @@ fn made_of_gaps(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3], out: [&mut [f3
         normals: [normal[0], &normal[0][1..]],
     };
     let after = &mut across[1..];
-    let mut is_any = false;
+    let mut found = Vec::new();
     at!(
         simd,
-        rows::look_for_gap(&mut is_any, after.len(), [&row; 4], &along, &scale)
+        rows::gap_strength_row(after, &mut found, [&row; 4], &along, &scale)
     );
-    assert!(is_any);
-    at!(simd, rows::gap_weight_row(after, [&row; 4], &along, &scale));
-    assert!(after.iter().any(|&weight| weight < 0.0));
-    // Not numbers beside uncovered pixels, of any bits.
-    after
-        .iter_mut()
-        .filter(|weight| weight.is_nan())
-        .for_each(|weight| *weight = 0.0);
-    let all = [true; WIDTH];
-    let covered = Rows {
-        above: &all[..],
-        at: &all,
-        below: &all,
-    };
-    let across = [&*across, &[0.0]].concat();
-    let weights = [&across[..], &b[1], &a[1]];
+    assert!(after.iter().any(|&strength| strength < 0.0));
+    let across = [&[0.0], &*across, &[0.0; 2]].concat();
+    let down = [&b[1][..], &a[1], &b[0], &a[0]];
     at!(
         simd,
-        silhouette::silhouettes_of_gaps_row([front, beside], weights, &covered, 0..WIDTH)
+        silhouette::silhouettes_of_gaps_row([front, beside], &across, down)
     );
 }
 

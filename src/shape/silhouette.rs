@@ -4,127 +4,112 @@
 //! surfaces, see [`super::gap`]; the border of coverage is always a silhouette. Practice: supply depth if available,
 //! else an occlusion map or alpha, whose jumps are found by Sobel's kernel.
 
-use crate::frame::gap::pair::larger;
+use crate::frame::gap::pair::{larger, smaller};
 use crate::params::SoftThreshold;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 
-/// Silhouette weight, 0..1, of the pixel at column `x` from `map`, an occlusion map.
-///
-/// A pixel with an uncovered pixel among its eight neighbours is on the border, weight 1.
-/// Source: [LW] algorithm 1, step 1.
-#[inline(always)]
-pub(crate) fn silhouette_weight(
-    map: &Rows,
-    covered: &Rows<bool>,
-    x: usize,
-    threshold: SoftThreshold,
-) -> f32 {
-    if on_border(covered, x) {
-        return 1.0;
-    }
-    jump_weight(map.neighbourhood(x), threshold)
-}
-
-/// The weight of the jump across the centre of `around`: twice the Sobel slope, the difference between the two sides.
+/// The weight, 0..1, of the jump of an occlusion map across the centre of `around`: twice the Sobel slope, the difference
+/// between the two sides. Source: [LW] algorithm 1, step 1.
 #[inline(always)]
 pub(crate) fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f32 {
     let [dx, dy] = sobel(around);
     threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
 }
 
-/// [`silhouette_weight`] of the pixels of a row in `columns`; undefined where uncovered.
+/// [`jump_weight`] of the pixels of a row in `columns`.
 #[inline(always)]
-pub(crate) fn silhouette_row(
+pub(crate) fn jumps_row(
     weight: &mut [f32],
     map: &Rows,
-    covered: &Rows<bool>,
     columns: Range<usize>,
     threshold: SoftThreshold,
 ) {
     let inner = inner_columns(&columns, weight.len());
     for x in outer_columns(&columns, &inner) {
-        weight[x] = silhouette_weight(map, covered, x, threshold);
+        weight[x] = jump_weight(map.neighbourhood(x), threshold);
     }
     if inner.is_empty() {
         return;
     }
-    let out = &mut weight[inner.clone()];
     let [above, at, below] = [map.above, map.at, map.below].map(|row| Shifted::new(row, &inner));
-    let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
-    for (i, out) in out.iter_mut().enumerate() {
-        let jump = jump_weight([above.around(i), at.around(i), below.around(i)], threshold);
-        *out = if all_seen(&seen, i) { jump } else { 1.0 };
+    for (i, out) in weight[inner].iter_mut().enumerate() {
+        *out = jump_weight([above.around(i), at.around(i), below.around(i)], threshold);
     }
 }
 
-/// Whether the nine pixels around the `i`-th column are covered.
+/// The weights of the silhouettes that a pixel is in front of, and that it is beside, from the signed strengths of gaps along
+/// rows and columns: to the pixel before it from the one before that, from the pixel before it, to the next, and beyond.
+///
+/// Of several gaps in a row the largest is drawn: a filter spreads an edge over pixels, which is one silhouette.
 #[inline(always)]
-fn all_seen(rows: &[Shifted<bool>; 3], i: usize) -> bool {
-    let seen = |r: usize| rows[r].left[i] & rows[r].at[i] & rows[r].right[i];
-    seen(0) & seen(1) & seen(2)
+pub(crate) fn silhouettes_of_gaps(across: [f32; 4], down: [f32; 4]) -> [f32; 2] {
+    let ([front_x, beside_x], [front_y, beside_y]) = (along_gaps(across), along_gaps(down));
+    let (front, beside) = (larger(front_x, front_y), larger(beside_x, beside_y));
+    [smaller(front, 1.0), smaller(beside, 1.0)]
 }
 
-/// The weights of the silhouettes that a pixel is in front of, and that it is beside, from the signed weights of the gaps
-/// from the pixel before it and to the next one, and to the row below and from the row above.
+/// The strengths of the gaps that a pixel is in front of, and that it is beside, along one axis.
 #[inline(always)]
-pub(crate) fn silhouettes_of_gaps([before, after]: [f32; 2], [below, above]: [f32; 2]) -> [f32; 2] {
-    let front = larger(larger(after, -before), larger(below, -above));
-    let across = larger(after.abs(), before.abs());
-    [
-        larger(front, 0.0),
-        larger(across, larger(below.abs(), above.abs())),
-    ]
+pub(crate) fn along_gaps([past_before, before, after, past_after]: [f32; 4]) -> [f32; 2] {
+    let from_before = drawn(-before, -past_before, -after);
+    let front = larger(drawn(after, past_after, before), from_before);
+    [front, larger(after.abs(), before.abs())]
 }
 
-/// Silhouettes of the pixels of a row in `columns`, from the signed weights of the gaps to each pixel from the one before
-/// it, to the row below, and from the row above: those drawn, of pixels in front of a gap, and those that close, of pixels
-/// on both sides of one. Undefined where uncovered.
+/// The strength of a gap where it is the largest of a row: no smaller than the one past it, and larger than the nearer one.
+#[inline(always)]
+pub(crate) fn drawn(own: f32, past: f32, nearer: f32) -> f32 {
+    let is_largest = (own >= past) & (own > nearer);
+    if is_largest { larger(own, 0.0) } else { 0.0 }
+}
+
+/// [`silhouettes_of_gaps`] of the pixels of a row: those drawn, of pixels in front of a gap, and those that close, of pixels on
+/// both sides of one. `across` are the gaps between neighbours from two before the first pixel to two behind the last; `down`
+/// those between rows, from two above to one below.
 #[inline(always)]
 pub(crate) fn silhouettes_of_gaps_row(
     [line, barrier]: [&mut [f32]; 2],
-    [across, below, above]: [&[f32]; 3],
+    across: &[f32],
+    down: [&[f32]; 4],
+) {
+    let n = line.len();
+    let (across, barrier) = (&across[..n + 3], &mut barrier[..n]);
+    let down = down.map(|row| &row[..n]);
+    for i in 0..n {
+        let across = [across[i], across[i + 1], across[i + 2], across[i + 3]];
+        let down = [down[0][i], down[1][i], down[2][i], down[3][i]];
+        [line[i], barrier[i]] = silhouettes_of_gaps(across, down);
+    }
+}
+
+/// Gives the pixels of a row in `columns` weight 1 that have an uncovered one among their eight neighbours.
+#[inline(always)]
+pub(crate) fn close_border_row<const N: usize>(
+    mut weights: [&mut [f32]; N],
     covered: &Rows<bool>,
     columns: Range<usize>,
 ) {
-    let inner = inner_columns(&columns, line.len());
-    let weights = |x: usize| silhouettes_of_gaps([across[x], across[x + 1]], [below[x], above[x]]);
+    let inner = inner_columns(&columns, covered.at.len());
     for x in outer_columns(&columns, &inner) {
-        let of_gaps = if on_border(covered, x) {
-            [1.0; 2]
-        } else {
-            weights(x)
-        };
-        [line[x], barrier[x]] = of_gaps;
+        if covered.neighbourhood(x).iter().flatten().any(|&c| !c) {
+            weights.iter_mut().for_each(|row| row[x] = 1.0);
+        }
     }
     if inner.is_empty() {
         return;
     }
-    let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
-    let n = inner.len();
-    let (before, after) = (&across[inner.start..][..n], &across[inner.start + 1..][..n]);
-    let (below, above) = (&below[inner.start..][..n], &above[inner.start..][..n]);
-    let (line, barrier) = (&mut line[inner.clone()], &mut barrier[inner]);
-    for i in 0..n {
-        let [front, beside] = silhouettes_of_gaps([before[i], after[i]], [below[i], above[i]]);
-        let inside = all_seen(&seen, i);
-        line[i] = if inside { front } else { 1.0 };
-        barrier[i] = if inside { beside } else { 1.0 };
+    let rows = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
+    for weights in weights {
+        for (i, weight) in weights[inner.clone()].iter_mut().enumerate() {
+            let seen = |r: usize| rows[r].left[i] & rows[r].at[i] & rows[r].right[i];
+            *weight = if seen(0) & seen(1) & seen(2) {
+                *weight
+            } else {
+                1.0
+            };
+        }
     }
-}
-
-/// 1 for the pixels of a row in `columns` that are [`on_border`], 0 for the others.
-#[inline(always)]
-pub(crate) fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>) {
-    for x in columns {
-        weight[x] = f32::from(on_border(covered, x));
-    }
-}
-
-/// Whether the pixel at column `x` has an uncovered pixel among its eight neighbours.
-#[inline(always)]
-pub(crate) fn on_border(covered: &Rows<bool>, x: usize) -> bool {
-    covered.neighbourhood(x).iter().flatten().any(|&c| !c)
 }
 
 #[cfg(test)]
@@ -132,15 +117,12 @@ mod tests {
     use super::*;
     use crate::frame::Plane;
 
-    const THRESHOLD: SoftThreshold = SoftThreshold { lo: 0.2, hi: 0.4 };
-
     #[test]
     fn a_step_of_occlusion_weighs_by_its_size() {
         let weight_of_step = |step: f32| {
             let map = Plane::from_fn(4, 3, |x, _| if x < 2 { 0.1 } else { 0.1 + step });
-            let covered = Plane::filled(4, 3, true);
-            let (map, covered) = (Rows::around(&map, 1), Rows::around(&covered, 1));
-            silhouette_weight(&map, &covered, 1, THRESHOLD)
+            let threshold = SoftThreshold { lo: 0.2, hi: 0.4 };
+            jump_weight(Rows::around(&map, 1).neighbourhood(1), threshold)
         };
         // Half-way from 0.2 to 0.4.
         assert!((weight_of_step(0.3) - 0.5).abs() < 1e-6);
@@ -149,17 +131,34 @@ mod tests {
 
     #[test]
     fn the_border_of_coverage_is_a_silhouette() {
-        let flat = Plane::filled(4, 4, 0.0);
         let covered = Plane::from_fn(4, 4, |x, y| (x, y) != (0, 0));
-        let weight = |x, y| {
-            silhouette_weight(
-                &Rows::around(&flat, y),
-                &Rows::around(&covered, y),
-                x,
-                THRESHOLD,
-            )
+        let weights = |y| {
+            let mut row = [0.5; 4];
+            close_border_row([&mut row[..]], &Rows::around(&covered, y), 0..4);
+            row
         };
-        assert_eq!(weight(1, 1), 1.0);
-        assert_eq!(weight(2, 2), 0.0);
+        assert_eq!(weights(1), [1.0, 1.0, 0.5, 0.5]);
+        assert_eq!(weights(2), [0.5; 4]);
+    }
+
+    #[test]
+    fn of_gaps_in_a_row_the_largest_is_drawn_once() {
+        // Depth falls back in three steps to the right; the second is the largest.
+        let steps = [0.0, 0.0, 3.0, 9.0, 4.0, 0.0, 0.0];
+        let fronts = |gaps: [f32; 7]| {
+            let mut rows = [[0.0; 4]; 2];
+            let [line, barrier] = &mut rows;
+            silhouettes_of_gaps_row([line, barrier], &gaps, [&[0.0; 4]; 4]);
+            rows
+        };
+        // The pixel before that step; all four are beside a step.
+        assert_eq!(fronts(steps), [[0.0, 1.0, 0.0, 0.0], [1.0; 4]]);
+        // The mirror image; and equal steps, of which the first is drawn.
+        let mirrored = std::array::from_fn(|i| -steps[6 - i]);
+        assert_eq!(fronts(mirrored)[0], [0.0, 0.0, 1.0, 0.0]);
+        assert_eq!(
+            fronts([0.0, 0.0, 3.0, 3.0, 0.0, 0.0, 0.5])[0],
+            [1.0, 0.0, 0.0, 0.0]
+        );
     }
 }

@@ -12,5 +12,5 @@ pub(crate) mod pair;
 pub(crate) mod rows;
 pub(crate) mod scale;
 
-/// Pixels that a gap reads to each side: the depths beside it, and the noise around it.
-pub(crate) const GAP_REACH: usize = 2 + noise::NOISE_REACH;
+/// Pixels that the silhouettes of gaps read to each side: the next gap, the depths beside it, and the noise around it.
+pub(crate) const GAP_REACH: usize = 3 + noise::NOISE_REACH;

@@ -16,7 +16,7 @@ pub(crate) const TILE: i32 = 32;
 const FEWEST: usize = 8;
 
 /// Less noise than this, in pixels, is none: curvature alone.
-const CALM: f32 = 0.1;
+pub(crate) const CALM: f32 = 0.1;
 
 /// Gaps of a tile that are looked at, at most.
 const PROBES: usize = 32;

@@ -1,7 +1,7 @@
 //! The gaps of a frame, one by one, with the noise of its depth.
 
 use crate::frame::facing;
-use crate::frame::gap::noise::GapNoise;
+use crate::frame::gap::noise::{CALM, GapNoise};
 use crate::frame::gap::pair::{Gap, Side};
 use crate::frame::gap::rows::GapSamples;
 use crate::frame::gap::scale::GapScale;
@@ -47,33 +47,54 @@ impl<'a> Gaps<'a> {
 
     /// The gap between a pixel and the next along an axis, 0 to the right and 1 downward, if both are covered.
     pub(crate) fn after(&self, at: [usize; 2], axis: usize) -> Option<Gap> {
+        let [a, b] = self.sides_after(at, axis)?;
+        let beyond = |by: isize| {
+            let at = moved(at, axis, by).filter(|&at| self.is_covered(at));
+            at.map_or(f32::NAN, |at| self.scale.linear(self.planar(at)))
+        };
+        let (before, behind) = (beyond(-1), beyond(2));
+        let [a, b] = [
+            Side {
+                beyond: before,
+                ..a
+            },
+            Side {
+                beyond: behind,
+                ..b
+            },
+        ];
+        Some(Gap::between(a, b, self.scale.unit(axis)))
+    }
+
+    /// A pixel and the next along an axis, if both are covered; what lies beyond them is not looked at.
+    fn sides_after(&self, at: [usize; 2], axis: usize) -> Option<[Side; 2]> {
         let next = moved(at, axis, 1)?;
         if !(self.is_covered(at) && self.is_covered(next)) {
             return None;
         }
-        let side = |at: [usize; 2], beyond: Option<[usize; 2]>| {
-            let [x, y] = at;
+        let side = |[x, y]: [usize; 2]| {
             let normal = &self.frame.normal;
             let normal = [normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y)];
-            let linear = |at| self.scale.linear(self.planar(at));
-            let depth = self.planar(at);
-            let beyond = beyond.filter(|&at| self.is_covered(at));
+            let depth = self.planar([x, y]);
             Side {
                 depth,
                 linear: self.scale.linear(depth),
-                beyond: beyond.map_or(f32::NAN, linear),
+                beyond: f32::NAN,
                 facing: -facing(normal.into(), Vec2::new(self.to_eye.x[x], self.to_eye.y[y])),
                 along: normal[axis] * self.scale.step[axis],
             }
         };
-        let a = side(at, moved(at, axis, -1));
-        let b = side(next, moved(at, axis, 2));
-        Some(Gap::between(a, b, self.scale.unit(axis)))
+        Some([side(at), side(next)])
     }
 
     /// What [`GapNoise`] takes of a gap, in pixels: the lesser of its size and of what the slopes beside it do not explain,
-    /// beyond rounding.
+    /// beyond rounding; of one that is [`CALM`] by its size, that.
     fn stray_after(&self, at: [usize; 2], axis: usize) -> Option<f32> {
+        let [a, b] = self.sides_after(at, axis)?;
+        let px = Gap::px_between(&a, &b, self.scale.unit(axis));
+        if px < CALM {
+            return Some(px);
+        }
         let gap = self.after(at, axis)?;
         Some((gap.px.min(gap.bend) - gap.rounding).max(0.0))
     }
@@ -86,8 +107,8 @@ impl<'a> Gaps<'a> {
     /// The gap after a pixel, in pixels, where it makes a silhouette.
     pub(crate) fn seen_after(&self, at: [usize; 2], axis: usize) -> Option<f32> {
         let gap = self.after(at, axis)?;
-        let weight = gap.weight(self.noise_after(at, axis), self.scale.threshold);
-        (weight > 0.0).then_some(gap.px)
+        let strength = gap.strength(self.noise_after(at, axis), self.scale.threshold);
+        (strength > 0.0).then_some(gap.px)
     }
 
     /// Whether a silhouette lies after a pixel. Where a normal is unknown, NaN, depth alone tells.
@@ -98,15 +119,15 @@ impl<'a> Gaps<'a> {
         if gap.px.is_nan() {
             gap.px = gap.bend.min(self.jump_after(at, axis));
         }
-        gap.weight(self.noise_after(at, axis), self.scale.threshold) > 0.0
+        gap.strength(self.noise_after(at, axis), self.scale.threshold) > 0.0
     }
 
-    /// The weight after a pixel, 0..1, where it has `calm` without the noise of depth.
-    pub(crate) fn weight_after(&self, at: [usize; 2], axis: usize, calm: f32) -> f32 {
+    /// The strength after a pixel, where it has `calm` without the noise of depth.
+    pub(crate) fn strength_after(&self, at: [usize; 2], axis: usize, calm: f32) -> f32 {
         let noise = self.noise_after(at, axis);
         let gap = (noise > 0.0).then(|| self.after(at, axis));
         gap.flatten()
-            .map_or(calm, |gap| gap.weight(noise, self.scale.threshold))
+            .map_or(calm, |gap| gap.strength(noise, self.scale.threshold))
     }
 
     /// The jump of depth after a pixel that is not the last, in pixels.

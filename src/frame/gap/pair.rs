@@ -47,6 +47,12 @@ pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// The smaller of two numbers, likewise.
+#[inline(always)]
+pub(crate) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// A pixel beside the border between it and its neighbour. What is unknown is NaN.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Side {
@@ -116,15 +122,20 @@ impl Gap {
         }
     }
 
-    /// The weight of the silhouette between them, 0..1, where the depth around has this much noise, in pixels.
+    /// The strength of the silhouette between them, where the depth around has this much noise, in pixels: up to 1 its
+    /// weight, and beyond the size of a gap that closes in full, which tells the largest of several in a row.
     #[inline(always)]
-    pub(crate) fn weight(&self, noise: f32, threshold: SoftThreshold) -> f32 {
+    pub(crate) fn strength(&self, noise: f32, threshold: SoftThreshold) -> f32 {
         let more = self.rounding + NOISES * noise;
         let raised = SoftThreshold {
             lo: threshold.lo + more,
             hi: threshold.hi + more,
         };
         let weight = self.gate * raised.weight(self.px);
-        if weight > CLOSED { 1.0 } else { weight }
+        if weight > CLOSED {
+            self.px.max(1.0)
+        } else {
+            weight
+        }
     }
 }

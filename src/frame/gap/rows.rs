@@ -113,34 +113,63 @@ fn sides<'a>(rows: [&'a GapRow; 4], along: &Along<'a>, n: usize) -> [[&'a [f32];
     ]
 }
 
-/// Tells whether any of `n` gaps is large enough for a silhouette.
+/// Gaps examined together: most groups contain none that is large enough.
+pub(crate) const GROUP: usize = 16;
+
+/// Strengths of the silhouettes between pixels, where depth has no noise. Positive where the first is the nearer, else
+/// negative. Adds the first columns of the groups of `out` that may contain one to `found`.
 #[inline(always)]
-pub(crate) fn look_for_gap(
-    is_any: &mut bool,
-    n: usize,
+pub(crate) fn gap_strength_row(
+    out: &mut [f32],
+    found: &mut Vec<usize>,
     rows: [&GapRow; 4],
     along: &Along,
     scale: &GapScale,
 ) {
-    let [first, second] = sides(rows, along, n);
-    let (step, unit) = (scale.step[along.axis], scale.unit(along.axis));
-    *is_any = (0..n).fold(false, |any, x| {
-        let (a, b) = (side(first, x, step), side(second, x, step));
-        any | (Gap::px_between(&a, &b, unit) > scale.threshold.lo)
-    });
-}
-
-/// Weights of the silhouettes between pixels, where depth has no noise. Positive where the first is the nearer, else
-/// negative.
-#[inline(always)]
-pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale) {
     let [first, second] = sides(rows, along, out.len());
     let (step, unit) = (scale.step[along.axis], scale.unit(along.axis));
     for (x, out) in out.iter_mut().enumerate() {
         let (a, b) = (side(first, x, step), side(second, x, step));
-        let weight = Gap::between(a, b, unit).weight(0.0, scale.threshold);
-        // Not a number where one is not covered.
-        let weight = if weight > 0.0 { weight } else { 0.0 };
-        *out = if a.depth <= b.depth { weight } else { -weight };
+        *out = Gap::px_between(&a, &b, unit);
     }
+    for (i, group) in out.chunks_mut(GROUP).enumerate() {
+        let mut is_any = false;
+        for px in &*group {
+            is_any |= *px > scale.threshold.lo;
+        }
+        if !is_any {
+            group.fill(0.0);
+            continue;
+        }
+        found.push(GROUP * i);
+        let (first, second) = (
+            part(&first, GROUP * i, group),
+            part(&second, GROUP * i, group),
+        );
+        for x in 0..group.len() {
+            let (a, b) = (side(first, x, step), side(second, x, step));
+            let strength = Gap::between(a, b, unit).strength(0.0, scale.threshold);
+            // Not a number where one is not covered.
+            let strength = if strength > 0.0 { strength } else { 0.0 };
+            group[x] = if a.depth <= b.depth {
+                strength
+            } else {
+                -strength
+            };
+        }
+    }
+}
+
+/// The part of rows from `start` on that is as long as `group`, so that loops over it vectorise.
+#[inline(always)]
+fn part<'a>(rows: &[&'a [f32]; 5], start: usize, group: &[f32]) -> [&'a [f32]; 5] {
+    let n = group.len();
+    // Written out: `map` over an array is not always inlined.
+    [
+        &rows[0][start..][..n],
+        &rows[1][start..][..n],
+        &rows[2][start..][..n],
+        &rows[3][start..][..n],
+        &rows[4][start..][..n],
+    ]
 }

@@ -72,21 +72,23 @@ impl<'a> Finder<'a> {
             .collect()
     }
 
-    /// Cracks to the right of and below the corners of a row. Only pixels beside a silhouette have a weight.
+    /// Cracks to the right of and below the corners of a row. Only pixels within two of a silhouette have a weight: of an
+    /// edge that a filter spread, those of its largest gap.
     fn cracks_of_row(&self, weight: &Plane, y: usize) -> Vec<Crack> {
         let (width, height) = (weight.width(), weight.height());
         let none = vec![0.0; width];
-        let row = |y: Option<usize>| {
-            let inside = y.filter(|&y| y < height);
+        let rows = [-2, -1, 0, 1].map(|i| {
+            let inside = y.checked_add_signed(i).filter(|&y| y < height);
             inside.map_or(&none[..], |y| weight.row(y))
-        };
-        let (above, here) = (row(y.checked_sub(1)), row(Some(y)));
+        });
+        let here = rows[2];
         let mut found = Vec::new();
-        let mut before = false;
-        for (x, (&above, &here)) in above.iter().zip(here).enumerate() {
-            let (above, here) = (above > 0.0, here > 0.0);
-            let passed = [(RIGHT, here | above), (DOWN, here | before)];
-            before = here;
+        for x in 0..width {
+            let columns = x.saturating_sub(2)..(x + 2).min(width);
+            let passed = [
+                (RIGHT, rows.iter().any(|row| row[x] > 0.0)),
+                (DOWN, here[columns].iter().any(|&weight| weight > 0.0)),
+            ];
             for (step, _) in passed.into_iter().filter(|(_, is_marked)| *is_marked) {
                 let corner = (y * (width + 1) + x) as u32;
                 let spot = self.spot(Across::leaving([x, y], step));

@@ -2,7 +2,7 @@
 
 use crate::frame::gap::of_frame::Gaps;
 use crate::frame::gap::rows;
-use crate::frame::gap::rows::{Along, GapRow};
+use crate::frame::gap::rows::{Along, GROUP, GapRow};
 use crate::frame::{Frame, Plane, ToEye, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
@@ -22,11 +22,11 @@ use std::ops::Range;
 /// Rows per task: enough to make the cost of the rows around them, which it prepares too, negligible.
 const ROWS: usize = 32;
 
-/// Rows that the gap between two rows is found in.
+/// Rows that the gap between two rows is found in, and rows of gaps that silhouettes are found in.
 const GAP_ROWS: usize = 4;
 
-/// Columns checked together for gaps and creases: most contain none.
-const BLOCK: usize = 64;
+/// Columns checked together for creases: most contain none.
+const BLOCK: usize = 16;
 
 /// Edge weights and conductance.
 pub(crate) struct Weights {
@@ -120,9 +120,10 @@ struct Band<'a> {
 struct Scratch {
     /// Rows prepared for gaps, row y at index y modulo 4.
     gaps: [GapRow; GAP_ROWS],
-    /// Weights of the gaps to each pixel from the one before it; and to the row below, and from the row above.
+    /// Signed strengths of the gaps to each pixel from the one before it, with one more at either end, 0.
     across: Vec<f32>,
-    down: [Vec<f32>; 2],
+    /// The same to the row below, of row y at index y modulo 4.
+    down: [Vec<f32>; GAP_ROWS],
     /// The weight drawn: of pixels in front of a gap.
     silhouette: Vec<f32>,
     /// The weight that closes: of pixels on both sides of one.
@@ -136,8 +137,8 @@ impl Scratch {
         let row = || vec![0.0; width];
         Self {
             gaps: std::array::from_fn(|_| GapRow::new(width)),
-            across: vec![0.0; width + 1],
-            down: [row(), row()],
+            across: vec![0.0; width + 3],
+            down: std::array::from_fn(|_| row()),
             silhouette: row(),
             barrier: row(),
             crease: row(),
@@ -248,32 +249,33 @@ impl<'a> Sources<'a> {
         self.gradient_row(y, columns, &normals, slopes);
     }
 
-    /// Finds the gaps within row `y`, to the row below, and to the row above, which are known unless it `is_first`.
+    /// Finds the gaps within row `y`, and between the two rows above and the two below; the former are known unless it
+    /// `is_first`.
     fn find_gaps(&self, gaps: &Gaps, y: usize, is_first: bool, scratch: &mut Scratch) {
+        let reach = GAP_ROWS - 1;
         if is_first {
             scratch.gaps.iter_mut().for_each(GapRow::clear);
-            for near in y.saturating_sub(2)..y + 2 {
+            scratch.down.iter_mut().for_each(|row| row.fill(0.0));
+            for near in y.saturating_sub(reach)..y + reach {
                 self.prepare(gaps, near, scratch);
-            }
-            scratch.down[0].fill(0.0);
-            if y > 0 {
-                self.find_gaps_below(gaps, y - 1, scratch);
+                if near >= y.max(2) {
+                    self.find_gaps_below(gaps, near - 2, scratch);
+                }
             }
         }
-        self.prepare(gaps, y + 2, scratch);
-        scratch.down.swap(0, 1);
-        self.find_gaps_below(gaps, y, scratch);
+        self.prepare(gaps, y + reach, scratch);
+        self.find_gaps_below(gaps, y + 1, scratch);
         let (row, normals) = (&scratch.gaps[y % GAP_ROWS], self.frame.normal.x.row(y));
         let span = self.frame.mask.span(y);
         let columns = span.start.saturating_sub(1)..span.end.min(normals.len() - 1);
-        let out = &mut scratch.across[columns.start + 1..=columns.end.max(columns.start)];
+        let out = &mut scratch.across[columns.start + 2..columns.end.max(columns.start) + 2];
         self.weigh_gaps(gaps, [row; 4], out, [columns.start, y], 0);
     }
 
     /// Finds the gaps between row `y` and the one below.
     fn find_gaps_below(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
-        let below = &mut scratch.down[0];
-        if y + 1 == self.frame.mask.height() {
+        let below = &mut scratch.down[y % GAP_ROWS];
+        if y + 1 >= self.frame.mask.height() {
             below.fill(0.0);
             return;
         }
@@ -288,45 +290,36 @@ impl<'a> Sources<'a> {
         self.weigh_gaps(gaps, rows, &mut below[columns], first, 1);
     }
 
-    /// The weights of the gaps between `first`, the pixels to its right, and the next ones along an axis, from [`GapRow`]s
-    /// around them.
+    /// The signed strengths of the gaps between `first`, the pixels to its right, and the next ones along an axis, from
+    /// [`GapRow`]s around them.
     fn weigh_gaps(
         &self,
         gaps: &Gaps,
         rows: [&GapRow; 4],
         out: &mut [f32],
-        first: [usize; 2],
+        [x, y]: [usize; 2],
         axis: usize,
     ) {
         let normals = [&self.frame.normal.x, &self.frame.normal.y][axis];
-        let [x, y] = first;
         let next = [x + 1 - axis, y + axis];
-        for (i, out) in out.chunks_mut(BLOCK).enumerate() {
-            let along = Along {
-                axis,
-                first: x + BLOCK * i,
-                normals: [[x, y], next].map(|[x, y]| &normals.row(y)[x + BLOCK * i..]),
-            };
-            let mut is_any = false;
-            wide!(rows::look_for_gap(
-                &mut is_any,
-                out.len(),
-                rows,
-                &along,
-                &gaps.scale
-            ));
-            if !is_any {
-                out.fill(0.0);
-                continue;
-            }
-            wide!(rows::gap_weight_row(out, rows, &along, &gaps.scale));
-            for (x, weight) in (along.first..)
-                .zip(out)
-                .filter(|(_, weight)| **weight != 0.0)
-            {
-                *weight = gaps
-                    .weight_after([x, y], axis, weight.abs())
-                    .copysign(*weight);
+        let along = Along {
+            axis,
+            first: x,
+            normals: [[x, y], next].map(|[x, y]| &normals.row(y)[x..]),
+        };
+        let mut found = Vec::new();
+        wide!(rows::gap_strength_row(
+            out,
+            &mut found,
+            rows,
+            &along,
+            &gaps.scale
+        ));
+        for start in found {
+            let group = (x + start..).zip(out[start..].iter_mut().take(GROUP));
+            for (x, strength) in group.filter(|(_, strength)| **strength != 0.0) {
+                let with_noise = gaps.strength_after([x, y], axis, strength.abs());
+                *strength = with_noise.copysign(*strength);
             }
         }
     }
@@ -339,33 +332,40 @@ impl<'a> Sources<'a> {
             false => row.clear(),
         }
     }
+
     fn silhouette_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
-        let covered = Rows::around(self.frame.mask.plane(), y);
-        let columns = columns.clone();
-        let out = &mut scratch.silhouette;
+        let (line, barrier) = (&mut scratch.silhouette, &mut scratch.barrier);
         match &self.silhouettes {
             Silhouettes::Depth(_) => {
-                let [below, above] = &scratch.down;
-                let weights = [&scratch.across[..], below, above];
-                let out = [&mut out[..], &mut scratch.barrier];
-                wide!(silhouette::silhouettes_of_gaps_row(
-                    out, weights, &covered, columns
-                ));
-                return;
+                // Of gaps two rows above to one row below; above the first row they are unknown, 0.
+                let down = [2, 3, 0, 1].map(|i| &scratch.down[(y + i) % GAP_ROWS][columns.clone()]);
+                let across = &scratch.across[columns.start..columns.end + 3];
+                let out = [line, barrier].map(|row| &mut row[columns.clone()]);
+                wide!(silhouette::silhouettes_of_gaps_row(out, across, down));
             }
             Silhouettes::Occlusion(map, threshold) => {
                 let map = Rows::around(map, y);
-                wide!(silhouette::silhouette_row(
-                    out,
+                wide!(silhouette::jumps_row(
+                    line,
                     &map,
-                    &covered,
                     columns.clone(),
                     *threshold
                 ));
+                barrier[columns.clone()].copy_from_slice(&line[columns.clone()]);
             }
-            Silhouettes::Border => wide!(silhouette::border_row(out, &covered, columns.clone())),
+            Silhouettes::Border => {
+                for row in [line, barrier] {
+                    row[columns.clone()].fill(0.0);
+                }
+            }
         }
-        scratch.barrier[columns.clone()].copy_from_slice(&out[columns]);
+        let covered = Rows::around(self.frame.mask.plane(), y);
+        let both = [&mut scratch.silhouette[..], &mut scratch.barrier];
+        wide!(silhouette::close_border_row(
+            both,
+            &covered,
+            columns.clone()
+        ));
     }
 
     fn crease_row(
@@ -388,10 +388,8 @@ impl<'a> Sources<'a> {
         for start in columns.clone().step_by(BLOCK) {
             let block = start..(start + BLOCK).min(columns.end);
             let lengths = lengths.map(|row| &row[block.clone()]);
-            if self
-                .creases
-                .all_flat(&scratch.least_cosine[block.clone()], lengths)
-            {
+            let cosines = &scratch.least_cosine[block.clone()];
+            if wide!(self.creases.all_flat(cosines, lengths)) {
                 continue;
             }
             for x in block.filter(|&x| covered.at[x]) {
@@ -429,9 +427,16 @@ impl<'a> Sources<'a> {
     }
 
     fn keep_covered(&self, out: &mut [f32], weights: &[f32], y: usize) {
-        let covered = self.frame.mask.row(y);
-        for x in self.frame.mask.span(y) {
-            out[x] = if covered[x] { weights[x] } else { 0.0 };
-        }
+        let span = self.frame.mask.span(y);
+        let covered = &self.frame.mask.row(y)[span.clone()];
+        wide!(keep_row(&mut out[span.clone()], &weights[span], covered));
+    }
+}
+
+/// Copies a row; 0 where uncovered.
+#[inline(always)]
+fn keep_row(out: &mut [f32], weights: &[f32], covered: &[bool]) {
+    for ((out, &weight), &covered) in out.iter_mut().zip(weights).zip(covered) {
+        *out = if covered { weight } else { 0.0 };
     }
 }

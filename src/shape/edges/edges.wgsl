@@ -92,11 +92,30 @@ fn depth_gradient(n: vec3<f32>, to_eye: vec2<f32>) -> vec2<f32> {
     return -n.xy * steepness;
 }
 
-// The weights of the silhouettes that a pixel is in front of, and that it is beside.
-fn silhouettes_of_gaps(after: vec2<f32>, before: f32, above: f32) -> vec2<f32> {
-    let front = max(max(after.x, -before), max(after.y, -above));
-    let beside = max(max(abs(after.x), abs(before)), max(abs(after.y), abs(above)));
-    return vec2<f32>(max(front, 0.0), beside);
+// The strength of a gap where it is the largest of a row: no smaller than the one past it, and larger than the nearer one.
+fn drawn(own: f32, past: f32, nearer: f32) -> f32 {
+    return select(0.0, max(own, 0.0), own >= past && own > nearer);
+}
+
+// The weights of the silhouettes that a pixel is in front of, and that it is beside, from the gaps along an axis.
+fn along_gaps(gaps: vec4<f32>) -> vec2<f32> {
+    let front = max(drawn(gaps.z, gaps.w, gaps.y), drawn(-gaps.y, -gaps.x, -gaps.z));
+    return vec2<f32>(front, max(abs(gaps.z), abs(gaps.y)));
+}
+
+fn silhouettes_of_gaps(across: vec4<f32>, down: vec4<f32>) -> vec2<f32> {
+    return min(max(along_gaps(across), along_gaps(down)), vec2<f32>(1.0));
+}
+
+// The gap after a pixel of a row or a column, possibly one beyond the picture, where there is none.
+fn gap_across(x: i32, y: u32) -> f32 {
+    let is_inside = x >= 0 && x < i32(width());
+    return select(0.0, gaps[index_of(u32(clamp(x, 0, i32(width()) - 1)), y)].x, is_inside);
+}
+
+fn gap_down(x: u32, y: i32) -> f32 {
+    let is_inside = y >= 0 && y < i32(height());
+    return select(0.0, gaps[index_of(x, u32(clamp(y, 0, i32(height()) - 1)))].y, is_inside);
 }
 
 fn write(i: u32, open: f32, g: vec2<f32>, edges: vec2<f32>) {
@@ -140,10 +159,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let is_inside = all(covered_above) && all(covered_here) && all(covered_below);
         var weights = vec2<f32>(0.0);
         if HAS_GAPS {
-            // There is none before the first pixel of a row or a column.
-            let before = select(gaps[row + columns.x].x, 0.0, id.x == 0u);
-            let above = select(gaps[index_of(id.x, row_above(y))].y, 0.0, y == 0u);
-            weights = silhouettes_of_gaps(gaps[i], before, above);
+            let x = i32(id.x);
+            let up = i32(y);
+            weights = silhouettes_of_gaps(
+                vec4<f32>(gap_across(x - 2, y), gap_across(x - 1, y), gap_across(x, y), gap_across(x + 1, y)),
+                vec4<f32>(gap_down(id.x, up - 2), gap_down(id.x, up - 1), gap_down(id.x, up), gap_down(id.x, up + 1)),
+            );
         } else if HAS_MAP {
             weights = vec2<f32>(jump_weight(map_above, map_here, map_below));
         }

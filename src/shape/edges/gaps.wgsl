@@ -1,5 +1,5 @@
-// Weights of the silhouettes between each pixel and the next ones, to the right and below: positive where it is the
-// nearer, else negative.
+// Strengths of the silhouettes between each pixel and the next ones, to the right and below: positive where it is the
+// nearer, else negative; up to 1 a weight, beyond the size of the gap in pixels.
 
 override IS_PERSPECTIVE: bool;
 override DEPTH_ALONG_RAY: bool;
@@ -17,8 +17,8 @@ struct Side {
     has_beyond: bool,
 }
 
-// The weight of the gap between two pixels, `pitch` pixels apart per unit of length.
-fn gap_weight(a: Side, b: Side, pitch: f32, noise: f32, is_perspective: bool) -> f32 {
+// The strength of the gap between two pixels, `pitch` pixels apart per unit of length.
+fn gap_strength(a: Side, b: Side, pitch: f32, noise: f32, is_perspective: bool) -> f32 {
     let step = b.depth - a.depth;
     var per_unit = pitch;
     var per_linear = pitch;
@@ -45,7 +45,7 @@ fn gap_weight(a: Side, b: Side, pitch: f32, noise: f32, is_perspective: bool) ->
     let more = per_unit * (params.rounding.x * size + params.rounding.y) + NOISES * noise;
     let size_weight = soft_threshold_weight(px, params.silhouette_lo + more, params.silhouette_hi + more);
     let weight = max(departs, turns) * size_weight;
-    return select(weight, 1.0, weight > CLOSED);
+    return select(weight, max(px, 1.0), weight > CLOSED);
 }
 
 // Whether a pixel is covered, possibly one beyond the picture.
@@ -99,15 +99,15 @@ fn noise_after(at: vec2<i32>, axis: vec2<i32>) -> f32 {
     return ends + others;
 }
 
-fn weight_after(at: vec2<i32>, axis: vec2<i32>, pitch: f32, step: vec2<f32>) -> f32 {
+fn strength_after(at: vec2<i32>, axis: vec2<i32>, pitch: f32, step: vec2<f32>) -> f32 {
     let next = at + axis;
     if !is_there(at) || !is_there(next) {
         return 0.0;
     }
     let a = side(at, at - axis, step);
     let b = side(next, next + axis, step);
-    let weight = gap_weight(a, b, pitch, noise_after(at, axis), IS_PERSPECTIVE);
-    return select(-weight, weight, a.depth <= b.depth);
+    let strength = gap_strength(a, b, pitch, noise_after(at, axis), IS_PERSPECTIVE);
+    return select(-strength, strength, a.depth <= b.depth);
 }
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
@@ -116,7 +116,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = vec2<i32>(id.xy);
-    let across = weight_after(at, vec2<i32>(1, 0), params.pitch.x, vec2<f32>(params.step.x, 0.0));
-    let down = weight_after(at, vec2<i32>(0, 1), params.pitch.y, vec2<f32>(0.0, params.step.y));
+    let across = strength_after(at, vec2<i32>(1, 0), params.pitch.x, vec2<f32>(params.step.x, 0.0));
+    let down = strength_after(at, vec2<i32>(0, 1), params.pitch.y, vec2<f32>(0.0, params.step.y));
     gaps[index_of(id.x, id.y)] = vec2<f32>(across, down);
 }

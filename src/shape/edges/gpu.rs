@@ -83,7 +83,7 @@ pub(crate) static GAPS: Kernel = Kernel::new::<GapParams>(
 /// Edges, and the gradient before diffusion.
 pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams>(
     "Edges",
-    // An occlusion map, or the weights of the gaps to the right and below; silhouette and crease weights.
+    // An occlusion map, or the strengths of the gaps to the right and below; silhouette and crease weights.
     "covered: u32; normal_x, normal_y, normal_z, silhouette_map?: f32; gaps?: vec2<f32>; \
      normal_length?: f32; conductance: mut f32; gradient: mut vec2<f32>; weights?: mut vec2<f32>",
     &[wgsl!("soft_threshold.wgsl"), FACING, wgsl!("edges.wgsl")],
@@ -121,7 +121,7 @@ pub(crate) fn find_edges(run: &mut Recording) {
 }
 
 impl Recording<'_> {
-    /// Weights of the gaps from each pixel to the next ones, to the right and below.
+    /// Strengths of the gaps from each pixel to the next ones, to the right and below.
     fn gaps(&mut self) {
         let (plan, frame) = (self.plan, self.frame);
         let depth = frame.depth.as_ref();

@@ -20,7 +20,7 @@ use crate::shape::diffusion::{Update, flux, through};
 use crate::shape::edges::gpu::{EDGES, GAPS};
 use crate::shape::gradient::depth_gradient;
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
-use crate::shape::silhouette::{jump_weight, silhouettes_of_gaps};
+use crate::shape::silhouette::{along_gaps, drawn, jump_weight, silhouettes_of_gaps};
 use crate::shape::sobel;
 use glam::{Vec2, Vec3};
 
@@ -78,7 +78,7 @@ fn edges() -> Vec<Twin> {
         )
         .with(&["silhouette_lo", "silhouette_hi"]),
         // Differences of depths, magnified to pixels; a threshold turns what they round to into up to all of a weight.
-        twin("gap_weight", &GAPS, gap)
+        twin("gap_strength", &GAPS, gap)
             .absolute(1e-3)
             .with(&["rounding", "silhouette_lo", "silhouette_hi"])
             .within(&[
@@ -97,13 +97,9 @@ fn edges() -> Vec<Twin> {
                 (1, 1.0, 2.0),
                 (1, 5.0, 9.0),
             ]),
-        twin(
-            "silhouettes_of_gaps",
-            &EDGES,
-            |after: [f32; 2], before: f32, above: f32| {
-                silhouettes_of_gaps([before, after[0]], [after[1], above])
-            },
-        ),
+        twin("drawn", &EDGES, drawn),
+        twin("along_gaps", &EDGES, along_gaps),
+        twin("silhouettes_of_gaps", &EDGES, silhouettes_of_gaps),
         twin("angle_within", &EDGES, angle_within).ulps(2),
         twin("crease_detector_weight", &EDGES, crease)
             .absolute(2.2e-6)
@@ -165,7 +161,7 @@ fn gap(
         along,
     };
     let gap = Gap::between(side(first), side(second), unit);
-    gap.weight(noise, SoftThreshold { lo, hi })
+    gap.strength(noise, SoftThreshold { lo, hi })
 }
 
 /// The CPU takes the angle from the cross product, the device from the chord, which loses digits only near half a turn,
