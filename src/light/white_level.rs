@@ -6,7 +6,7 @@ use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
 use crate::params::{Adaptive, Magnitudes};
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::shape::auto_levels::cpu::white_level;
 
 /// The white level of the picture, or one for each term of its light.
@@ -31,11 +31,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
     reads_normals: false,
     makes: Makes::Picture,
     name: "auto-white",
-    steps: &[Step {
-        name: "auto-white",
-        gives: &[],
-        decide: decide_white,
-    }],
+    steps: &[step("auto-white", &[], decide_white)],
     cpu: choose_white,
     #[cfg(feature = "gpu")]
     gpu: Some(|run| run.choose(choose_white)),

@@ -8,7 +8,7 @@ use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::white_level;
 
@@ -69,16 +69,12 @@ impl<'a> Drawn<'a> {
 pub(crate) static LINES_ONLY: Stage = Stage {
     makes: Makes::Drawing,
     name: "lines-only",
-    steps: &[Step {
-        name: "lines-only",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            is_drawn(plan, |params| match params.lines_only {
-                true => Verdict::runs("the paper between lines stays white"),
-                false => Verdict::left_out("strokes are drawn too"),
-            })
-        },
-    }],
+    steps: &[step("lines-only", &[Product::Strokes], |plan| {
+        is_drawn(plan, |params| match params.lines_only {
+            true => Verdict::runs("the paper between lines stays white"),
+            false => Verdict::left_out("strokes are drawn too"),
+        })
+    })],
     cpu: leave_white,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("drawings of lines alone"),

@@ -109,6 +109,19 @@ pub(crate) struct Step {
     pub(crate) decide: fn(&Plan) -> Verdict,
 }
 
+/// A step by its name, the products that it makes, and whether it runs.
+pub(crate) const fn step(
+    name: &'static str,
+    gives: &'static [Product],
+    decide: fn(&Plan) -> Verdict,
+) -> Step {
+    Step {
+        name,
+        gives,
+        decide,
+    }
+}
+
 /// Whether a step runs, and the reason in a few words.
 pub(crate) enum Verdict {
     Runs(String),

@@ -23,7 +23,7 @@ use crate::line::texture_coordinates::stage::TEXTURE_COORDINATES;
 use crate::line::tonal_art_map::stage::TONAL_ART_MAP;
 use crate::plan::stage::Stage;
 use crate::shape::auto_levels::stage::AUTO_GAIN;
-use crate::shape::curvature::stage::{CURVATURES, DIRECTIONS, HESSIAN, MAPPED_CURVATURE, TRACE};
+use crate::shape::curvature::stage::{CURVATURE, MAPPED_CURVATURE};
 use crate::shape::curvature_display::stage::CURVATURE_DISPLAY;
 use crate::shape::diffusion::stage::DIFFUSION;
 use crate::shape::edges::stage::EDGES;
@@ -31,15 +31,12 @@ use crate::shape::height::stage::HEIGHT;
 use crate::shape::occlusion::stage::OCCLUSION;
 
 /// Those that find the shape come first, then those that make a picture, and those that draw it.
-static STAGES: [&Stage; 30] = [
+static STAGES: [&Stage; 27] = [
     &EDGES,
     &HEIGHT,
     &OCCLUSION,
     &DIFFUSION,
-    &TRACE,
-    &HESSIAN,
-    &CURVATURES,
-    &DIRECTIONS,
+    &CURVATURE,
     &NORMAL_RAYS,
     &AUTO_GAIN,
     &MAPPED_CURVATURE,

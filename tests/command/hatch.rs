@@ -253,27 +253,25 @@ fn a_print_has_its_size_and_black_and_white_alone() {
 #[test]
 fn tone_comes_from_new_light_where_there_is_any() {
     let desk = tempfile::tempdir().unwrap();
-    let flags =
-        |light| format!("--tone relight --light {light} --albedo-from white --contours off");
+    let flags = |light| {
+        format!("--style pen --tone relight --light {light} --albedo-from white --contours off")
+    };
     let lit = drawn(desk.path(), "bust.exr", &flags("90,80"));
     let raking = drawn(desk.path(), "bust.exr", &flags("0,2"));
     assert!(light(&lit) > light(&raking) + 0.03);
     // Shape is shown in any light.
-    let explained = hatch(desk.path(), "bust.exr", "--light 90,80 --explain -o a.png");
-    let plan = explained.stdout;
+    let explained = |flags: &str| {
+        let words = format!("--style pen {flags} --explain -v -o a.png");
+        hatch(desk.path(), "bust.exr", &words).stdout
+    };
+    let plan = explained("--light 90,80");
     for stage in ["light-sum: ", "ran   shape-tone "] {
         assert!(plan.contains(stage), "{plan}");
     }
     // Without a picture there is a lamp.
-    let explained = hatch(desk.path(), "bust.exr", "--tone relight --explain -o a.png");
-    let plan = explained.stdout;
+    let plan = explained("--tone relight");
     assert!(plan.contains("light-sum: "), "{plan}");
-    let explained = hatch(
-        desk.path(),
-        "bust.exr",
-        "--tone picture --explain -v -o a.png",
-    );
-    let plan = explained.stdout;
+    let plan = explained("--tone picture");
     for stage in ["diffusion", "trace", "radiance-scaling", "light-sum"] {
         let skipped = format!("-     {stage} ");
         assert!(

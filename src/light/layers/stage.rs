@@ -7,7 +7,7 @@ use crate::light::layers::cpu::{self, Curvature};
 use crate::light::layers::terms::light_terms;
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Each lobe of the picture's light separately.
@@ -15,11 +15,7 @@ pub(crate) static LIGHT_LOBES: Stage = Stage {
     takes: |_| vec![Product::Trace],
     makes: Makes::Picture,
     name: "light-lobes",
-    steps: &[Step {
-        name: "light-lobes",
-        gives: &[Product::Picture],
-        decide: decide_lobes,
-    }],
+    steps: &[step("light-lobes", &[Product::Picture], decide_lobes)],
     cpu: scale_lobes,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("lobes of light"),
@@ -34,14 +30,10 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
     },
     makes: Makes::Picture,
     name: "light-groups",
-    steps: &[Step {
-        name: "light-groups",
-        gives: &[Product::Picture],
-        decide: |plan| {
-            let why = |magnitude| format!("magnitude {magnitude}, by directions");
-            plan.scales(Subject::Groups, "no --light-group", why)
-        },
-    }],
+    steps: &[step("light-groups", &[Product::Picture], |plan| {
+        let why = |magnitude| format!("magnitude {magnitude}, by directions");
+        plan.scales(Subject::Groups, "no --light-group", why)
+    })],
     cpu: scale_groups,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("light groups"),
@@ -56,11 +48,11 @@ pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
     },
     makes: Makes::Picture,
     name: "ambient-occlusion",
-    steps: &[Step {
-        name: "ambient-occlusion",
-        gives: &[Product::Picture],
-        decide: decide_occlusion,
-    }],
+    steps: &[step(
+        "ambient-occlusion",
+        &[Product::Picture],
+        decide_occlusion,
+    )],
     cpu: scale_by_occlusion,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("ambient occlusion"),

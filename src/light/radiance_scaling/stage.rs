@@ -5,7 +5,7 @@ use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::params::Magnitude;
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// The picture, scaled by curvature ([RS] section 4).
@@ -14,11 +14,7 @@ pub(crate) static RADIANCE_SCALING: Stage = Stage {
     reads_normals: false,
     makes: Makes::Picture,
     name: "radiance-scaling",
-    steps: &[Step {
-        name: "radiance-scaling",
-        gives: &[Product::Picture],
-        decide,
-    }],
+    steps: &[step("radiance-scaling", &[Product::Picture], decide)],
     cpu: scale,
     #[cfg(feature = "gpu")]
     gpu: Some(|run| super::gpu::scale(scaler(&run.host), run)),

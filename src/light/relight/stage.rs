@@ -6,7 +6,7 @@ use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError
 use crate::light::relight::{grain, raking, relight};
 use crate::light::shadows::casting::Casting;
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::coarse_normals;
 
@@ -15,6 +15,13 @@ const RIM_REACH: usize = 1;
 
 /// Shadows may reach over all of a picture.
 const SHADOW_REACH: usize = 1 << 20;
+
+/// A step that is left out where no new light is asked for.
+macro_rules! lit {
+    ($name:expr, $gives:expr, $decide:ident) => {
+        step($name, $gives, |plan| in_new_light(plan, $decide))
+    };
+}
 
 /// New light.
 pub(crate) static RELIGHT: Stage = Stage {
@@ -38,76 +45,20 @@ pub(crate) static RELIGHT: Stage = Stage {
     makes: Makes::Picture,
     name: "relight",
     steps: &[
-        Step {
-            name: "albedo-estimate",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, albedo_estimate),
-        },
-        Step {
-            name: "gloss",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, gloss),
-        },
-        Step {
-            name: "environment-lights",
-            gives: &[],
-            decide: |plan| in_new_light(plan, environment_lights),
-        },
-        Step {
-            name: "environment-prefilter",
-            gives: &[],
-            decide: |plan| in_new_light(plan, environment_prefilter),
-        },
-        Step {
-            name: grain::NAME,
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, occlusion_grain),
-        },
-        Step {
-            name: "shadows",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, shadows),
-        },
-        Step {
-            name: "warping",
-            gives: &[],
-            decide: |plan| in_new_light(plan, warping),
-        },
-        Step {
-            name: "jacobian",
-            gives: &[],
-            decide: |plan| in_new_light(plan, jacobian),
-        },
-        Step {
-            name: "raking",
-            gives: &[],
-            decide: |plan| in_new_light(plan, raking),
-        },
-        Step {
-            name: "alignment",
-            gives: &[],
-            decide: |plan| in_new_light(plan, alignment),
-        },
-        Step {
-            name: "light-sum",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, light_sum),
-        },
-        Step {
-            name: "light-lookups",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, light_lookups),
-        },
-        Step {
-            name: "contrast",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, contrast),
-        },
-        Step {
-            name: "tones",
-            gives: &[Product::Picture],
-            decide: |plan| in_new_light(plan, tones),
-        },
+        lit!("albedo-estimate", &[Product::Picture], albedo_estimate),
+        lit!("gloss", &[Product::Picture], gloss),
+        lit!("environment-lights", &[], environment_lights),
+        lit!("environment-prefilter", &[], environment_prefilter),
+        lit!(grain::NAME, &[Product::Picture], occlusion_grain),
+        lit!("shadows", &[Product::Picture], shadows),
+        lit!("warping", &[], warping),
+        lit!("jacobian", &[], jacobian),
+        lit!("raking", &[], raking),
+        lit!("alignment", &[], alignment),
+        lit!("light-sum", &[Product::Picture], light_sum),
+        lit!("light-lookups", &[Product::Picture], light_lookups),
+        lit!("contrast", &[Product::Picture], contrast),
+        lit!("tones", &[Product::Picture], tones),
     ],
     cpu: relight,
     #[cfg(feature = "gpu")]

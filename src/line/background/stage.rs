@@ -4,33 +4,29 @@ use super::Backdrop;
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
 use crate::params;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// The planes that the subject of a drawing stands on or before.
 pub(crate) static BACKGROUND: Stage = Stage {
     makes: Makes::Drawing,
     name: "background",
-    steps: &[Step {
-        name: "background",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            is_drawn(plan, |params| match params.tone.background {
-                params::Background::Strokes => Verdict::left_out("it is drawn like the subject"),
-                _ if !plan.shows_shape && !params.lines_only => {
-                    Verdict::left_out("the tone is that of light alone")
-                }
-                _ if plan.specular.is_some() => Verdict::left_out("mirrors show others"),
-                _ if plan.available.in_sequence || plan.available.moving => {
-                    Verdict::left_out("planes could come and go from frame to frame")
-                }
-                _ if plan.available.depth => {
-                    Verdict::runs("planes that the subject stands on or before")
-                }
-                _ => Verdict::left_out("planes show in depth, and there is none"),
-            })
-        },
-    }],
+    steps: &[step("background", &[Product::Strokes], |plan| {
+        is_drawn(plan, |params| match params.tone.background {
+            params::Background::Strokes => Verdict::left_out("it is drawn like the subject"),
+            _ if !plan.shows_shape && !params.lines_only => {
+                Verdict::left_out("the tone is that of light alone")
+            }
+            _ if plan.specular.is_some() => Verdict::left_out("mirrors show others"),
+            _ if plan.available.in_sequence || plan.available.moving => {
+                Verdict::left_out("planes could come and go from frame to frame")
+            }
+            _ if plan.available.depth => {
+                Verdict::runs("planes that the subject stands on or before")
+            }
+            _ => Verdict::left_out("planes show in depth, and there is none"),
+        })
+    })],
     depends_on: |plan| format!("{} {:?}", plan.resolution_factor, plan.background()),
     reads_normals: false,
     cpu: find,

@@ -9,7 +9,7 @@ use crate::line::contours::medium::in_medium;
 use crate::line::drawing::{Drawn, is_drawn};
 use crate::params::ContourParams;
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Lines along silhouettes and creases. They come first: strokes do not consume the weights of edges.
@@ -18,11 +18,7 @@ pub(crate) static CONTOURS: Stage = Stage {
     depends_on: |plan| format!("{:?} {:?}", plan.contours(), plan.background()),
     makes: Makes::Drawing,
     name: "contours",
-    steps: &[Step {
-        name: "contours",
-        gives: &[Product::Contours],
-        decide,
-    }],
+    steps: &[step("contours", &[Product::Contours], decide)],
     cpu: draw,
     ..Stage::DEFAULT
 };

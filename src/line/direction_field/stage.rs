@@ -5,7 +5,7 @@ use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::drawing::has_strokes;
 use crate::params::Style;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// The directions that strokes follow.
@@ -20,16 +20,12 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     },
     makes: Makes::Drawing,
     name: "direction-field",
-    steps: &[Step {
-        name: "direction-field",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            has_strokes(plan, |params| match params.strokes.style {
-                Style::Stipple => Verdict::left_out("dots have no direction"),
-                _ => Verdict::runs("strokes follow the curvature"),
-            })
-        },
-    }],
+    steps: &[step("direction-field", &[Product::Strokes], |plan| {
+        has_strokes(plan, |params| match params.strokes.style {
+            Style::Stipple => Verdict::left_out("dots have no direction"),
+            _ => Verdict::runs("strokes follow the curvature"),
+        })
+    })],
     cpu: find,
     ..Stage::DEFAULT
 };

@@ -3,23 +3,19 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_texture};
 use crate::line::hatching::cpu::hatched;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Strokes cut from a texture and pasted along the directions ([LA] section 6).
 pub(crate) static HATCHING: Stage = Stage {
     makes: Makes::Drawing,
     name: "hatching",
-    steps: &[Step {
-        name: "hatching",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            has_texture(plan, |params| {
-                let strokes = &params.strokes;
-                Verdict::runs(format!("{} levels, {} sets", strokes.levels, strokes.sets))
-            })
-        },
-    }],
+    steps: &[step("hatching", &[Product::Strokes], |plan| {
+        has_texture(plan, |params| {
+            let strokes = &params.strokes;
+            Verdict::runs(format!("{} levels, {} sets", strokes.levels, strokes.sets))
+        })
+    })],
     cpu: hatch,
     #[cfg(feature = "gpu")]
     after_gpu: Some(super::gpu::hatch),

@@ -6,7 +6,7 @@ use crate::line::contours::medium::in_medium;
 use crate::line::drawing::{Drawn, is_drawn};
 use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Lines inside surfaces. They follow contours, which they join and do not double.
@@ -22,11 +22,7 @@ pub(crate) static INTERIOR: Stage = Stage {
     },
     makes: Makes::Drawing,
     name: "interior",
-    steps: &[Step {
-        name: "interior",
-        gives: &[Product::Interior],
-        decide,
-    }],
+    steps: &[step("interior", &[Product::Interior], decide)],
     cpu: draw,
     ..Stage::DEFAULT
 };

@@ -3,7 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::direction::FILL_REACH_PX;
 use crate::line::normal_rays::cpu;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::plan::{Plan, Points};
 use crate::product::Product;
 
@@ -16,11 +16,7 @@ pub(crate) static NORMAL_RAYS: Stage = Stage {
     },
     depends_on: |plan| format!("{:?} {:?}", plan.points, plan.direction_steps_px),
     name: "normal-rays",
-    steps: &[Step {
-        name: "normal-rays",
-        gives: &[Product::Direction],
-        decide,
-    }],
+    steps: &[step("normal-rays", &[Product::Direction], decide)],
     cpu: follow_rays,
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::follow_rays),

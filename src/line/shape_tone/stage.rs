@@ -5,7 +5,7 @@ use super::halo::leave_bare;
 use super::key_light;
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Tone by a key light and by the picture, spread from ink to paper.
@@ -13,16 +13,12 @@ pub(crate) static SHAPE_TONE: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Conductance, Product::Trace],
     makes: Makes::Drawing,
     name: "shape-tone",
-    steps: &[Step {
-        name: "shape-tone",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            is_drawn(plan, |params| match plan.shows_shape {
-                true => Verdict::runs(format!("a key light for {} of it", params.tone.key_share)),
-                false => Verdict::left_out("the tone is that of light alone"),
-            })
-        },
-    }],
+    steps: &[step("shape-tone", &[Product::Strokes], |plan| {
+        is_drawn(plan, |params| match plan.shows_shape {
+            true => Verdict::runs(format!("a key light for {} of it", params.tone.key_share)),
+            false => Verdict::left_out("the tone is that of light alone"),
+        })
+    })],
     cpu: find,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("tones that show the shape"),

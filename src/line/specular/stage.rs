@@ -4,7 +4,7 @@ use crate::engine::cpu::execution::Execution;
 use crate::line::specular::seen_through;
 use crate::params::{Bend, SpecularParams};
 use crate::plan::Plan;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::edges::cpu::edges_and_gradient;
 
@@ -12,11 +12,7 @@ use crate::shape::edges::cpu::edges_and_gradient;
 pub(crate) static SPECULAR_TRACE: Stage = Stage {
     makes: Makes::Drawing,
     name: "specular-trace",
-    steps: &[Step {
-        name: "specular-trace",
-        gives: &[Product::Picture],
-        decide,
-    }],
+    steps: &[step("specular-trace", &[Product::Picture], decide)],
     cpu: trace,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("mirrors and lenses that show what is traced"),

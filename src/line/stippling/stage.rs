@@ -4,23 +4,19 @@ use super::cpu::{Stippled, stippled};
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::params::Style;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Tone in dots.
 pub(crate) static STIPPLING: Stage = Stage {
     makes: Makes::Drawing,
     name: "stippling",
-    steps: &[Step {
-        name: "stippling",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            has_strokes(plan, |params| match params.strokes.style {
-                Style::Stipple => Verdict::runs("tone is in dots"),
-                _ => Verdict::left_out("strokes are no dots"),
-            })
-        },
-    }],
+    steps: &[step("stippling", &[Product::Strokes], |plan| {
+        has_strokes(plan, |params| match params.strokes.style {
+            Style::Stipple => Verdict::runs("tone is in dots"),
+            _ => Verdict::left_out("strokes are no dots"),
+        })
+    })],
     cpu: lay,
     #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("dots"),

@@ -7,7 +7,7 @@ use crate::line::streamlines::cpu::{carried_seeds, inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
 /// Strokes that are lines of their own ([JL]).
@@ -15,18 +15,14 @@ pub(crate) static STREAMLINES: Stage = Stage {
     takes: |_| vec![Product::Conductance],
     makes: Makes::Drawing,
     name: "streamlines",
-    steps: &[Step {
-        name: "streamlines",
-        gives: &[Product::Strokes],
-        decide: |plan| {
-            has_strokes(plan, |params| match params.strokes.style {
-                Style::Lines => Verdict::runs("every stroke is a line of its own"),
-                Style::Engraving => Verdict::runs("lines swell with tone"),
-                Style::Stipple => Verdict::left_out("strokes are dots"),
-                _ => Verdict::left_out("strokes come from a texture"),
-            })
-        },
-    }],
+    steps: &[step("streamlines", &[Product::Strokes], |plan| {
+        has_strokes(plan, |params| match params.strokes.style {
+            Style::Lines => Verdict::runs("every stroke is a line of its own"),
+            Style::Engraving => Verdict::runs("lines swell with tone"),
+            Style::Stipple => Verdict::left_out("strokes are dots"),
+            _ => Verdict::left_out("strokes come from a texture"),
+        })
+    })],
     cpu: lay,
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {

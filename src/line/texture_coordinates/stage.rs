@@ -3,7 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_strokes;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 
 /// Placement of the stroke texture as the surface moves.
 pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
@@ -11,16 +11,12 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
     also_runs: |plan| plan.drawing.is_some_and(|params| !params.lines_only),
     makes: Makes::Drawing,
     name: "texture-coordinates",
-    steps: &[Step {
-        name: "texture-coordinates",
-        gives: &[],
-        decide: |plan| {
-            has_strokes(plan, |_| match plan.available.moving {
-                true => Verdict::runs("strokes move with the surface"),
-                false => Verdict::left_out("strokes lie still in the picture"),
-            })
-        },
-    }],
+    steps: &[step("texture-coordinates", &[], |plan| {
+        has_strokes(plan, |_| match plan.available.moving {
+            true => Verdict::runs("strokes move with the surface"),
+            false => Verdict::left_out("strokes lie still in the picture"),
+        })
+    })],
     cpu: place,
     ..Stage::DEFAULT
 };

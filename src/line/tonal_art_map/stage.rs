@@ -3,21 +3,17 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_texture;
 use crate::params::Style;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 
 /// The texture of strokes.
 pub(crate) static TONAL_ART_MAP: Stage = Stage {
     makes: Makes::Drawing,
     name: "tonal-art-map",
-    steps: &[Step {
-        name: "tonal-art-map",
-        gives: &[],
-        decide: |plan| {
-            has_texture(plan, |params| {
-                Verdict::runs(format!("seed {}", params.strokes.seed))
-            })
-        },
-    }],
+    steps: &[step("tonal-art-map", &[], |plan| {
+        has_texture(plan, |params| {
+            Verdict::runs(format!("seed {}", params.strokes.seed))
+        })
+    })],
     cpu: make,
     ..Stage::DEFAULT
 };

@@ -3,7 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::params::Adaptive;
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::{self, Counted};
 use crate::shape::auto_levels::most_gain;
@@ -25,15 +25,13 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     },
     reads_normals: false,
     name: "auto-gain",
-    steps: &[Step {
-        name: "auto-gain",
-        gives: &[],
-        decide: |plan| match plan.scaling.curvature_gain {
+    steps: &[step("auto-gain", &[], |plan| {
+        match plan.scaling.curvature_gain {
             _ if !plan.wants_curvature() => plan.left_out("no curvature is needed"),
             Adaptive::Auto => Verdict::runs("--curvature-gain auto"),
             fixed => plan.left_out(format!("--curvature-gain {fixed}")),
-        },
-    }],
+        }
+    })],
     cpu: choose_gain,
     #[cfg(feature = "gpu")]
     gpu: Some(|run| super::gpu::with_trace(run, choose_gain)),

@@ -4,49 +4,32 @@ use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::{ScaleShape, Shape};
 use crate::frame::{CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::curvature::cpu;
 use crate::shape::diffusion::stage::DIFFUSION;
 use crate::shape::hessian::REACH;
 
-/// The sum of the curvatures.
-pub(crate) static TRACE: Stage = Stage {
-    takes: |_| vec![Product::Gradient, Product::Conductance],
-    reach_px: |_| REACH,
-    reads_normals: false,
-    by_rows: true,
-    name: "trace",
-    steps: &[Step {
-        name: "trace",
-        gives: &[Product::Trace],
-        decide: |plan| match (plan.wants(Product::Hessian), plan.wants(Product::Trace)) {
-            (true, _) => plan.left_out("part of the hessian"),
-            (false, true) => Verdict::runs(format!(
-                "only the sum of curvatures is needed{}",
-                unit(plan)
-            )),
-            (false, false) => plan.left_out("no curvature is needed"),
-        },
-    }],
-    cpu: find_trace,
-    #[cfg(feature = "gpu")]
-    gpu: Some(super::gpu::find_hessian),
-    ..Stage::DEFAULT
-};
-
-/// The Hessian of the height.
-pub(crate) static HESSIAN: Stage = Stage {
+/// The sum of the curvatures alone, or the Hessian of the height with the curvatures and directions that are wanted.
+pub(crate) static CURVATURE: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |_| REACH,
     reads_normals: false,
     depends_on: |plan| plan.resolution_factor.to_string(),
     by_rows: true,
-    name: "hessian",
-    steps: &[Step {
-        name: "hessian",
-        gives: &[Product::Trace, Product::Hessian],
-        decide: |plan| {
+    name: "curvature",
+    steps: &[
+        step("trace", &[Product::Trace], |plan| {
+            match (plan.wants(Product::Hessian), plan.wants(Product::Trace)) {
+                (true, _) => plan.left_out("part of the hessian"),
+                (false, true) => Verdict::runs(format!(
+                    "only the sum of curvatures is needed{}",
+                    unit(plan)
+                )),
+                (false, false) => plan.left_out("no curvature is needed"),
+            }
+        }),
+        step("hessian", &[Product::Trace, Product::Hessian], |plan| {
             let why = match plan.wants(Product::Curvature) {
                 true => "asked for as layers",
                 false => "light has a direction: so has curvature",
@@ -55,50 +38,19 @@ pub(crate) static HESSIAN: Stage = Stage {
                 true => Verdict::runs(format!("{why}{}", unit(plan))),
                 false => plan.left_out("its trace is enough: no eigenvectors, no directions"),
             }
-        },
-    }],
-    cpu: find_hessian,
-    #[cfg(feature = "gpu")]
-    gpu: Some(super::gpu::find_hessian),
-    ..Stage::DEFAULT
-};
-
-/// Principal and mean curvatures.
-pub(crate) static CURVATURES: Stage = Stage {
-    takes: |_| vec![Product::Hessian],
-    reads_normals: false,
-    by_rows: true,
-    name: "curvatures",
-    steps: &[Step {
-        name: "curvatures",
-        gives: &[Product::Curvature],
-        decide: |plan| asked_for(plan, Product::Curvature, "their sum is enough"),
-    }],
-    cpu: find_curvatures,
-    // The device makes them with the mapped curvature.
-    #[cfg(feature = "gpu")]
-    gpu: Some(|_| ()),
-    ..Stage::DEFAULT
-};
-
-/// Directions of the larger view-centred curvature by magnitude.
-pub(crate) static DIRECTIONS: Stage = Stage {
-    takes: |_| vec![Product::Hessian],
-    reads_normals: false,
-    by_rows: true,
-    name: "directions",
-    steps: &[Step {
-        name: "directions",
-        gives: &[Product::ViewDirection],
-        decide: |plan| {
+        }),
+        step("curvatures", &[Product::Curvature], |plan| {
+            asked_for(plan, Product::Curvature, "their sum is enough")
+        }),
+        step("directions", &[Product::ViewDirection], |plan| {
             let why_not = "no eigenvectors: what follows a direction uses the hessian itself";
             asked_for(plan, Product::ViewDirection, why_not)
-        },
-    }],
-    cpu: find_directions,
-    // The device makes them with the mapped curvature.
+        }),
+    ],
+    cpu: find_curvature,
+    // What derives from the Hessian is made with the mapped curvature.
     #[cfg(feature = "gpu")]
-    gpu: Some(|_| ()),
+    gpu: Some(super::gpu::find_hessian),
     ..Stage::DEFAULT
 };
 
@@ -111,14 +63,14 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
     reads_normals: false,
     by_rows: true,
     name: "mapped-curvature",
-    steps: &[Step {
-        name: "mapped-curvature",
-        gives: &[Product::MappedCurvature],
-        decide: |plan| match plan.wants(Product::MappedCurvature) {
+    steps: &[step(
+        "mapped-curvature",
+        &[Product::MappedCurvature],
+        |plan| match plan.wants(Product::MappedCurvature) {
             true => Verdict::runs("asked for as a layer"),
             false => plan.left_out("made on the fly where it is used"),
         },
-    }],
+    )],
     cpu: map_curvature,
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::describe),
@@ -152,12 +104,54 @@ fn unit(plan: &Plan) -> String {
     }
 }
 
-/// The trace of the Hessian. Relighting computes it row by row; there it is only computed for the gain.
-fn find_trace(run: &mut Execution) {
+/// Finds what is wanted of curvature. Relighting computes both the trace and the Hessian row by row: only the gain takes the
+/// trace of the frame.
+fn find_curvature(run: &mut Execution) {
     let plan = run.plan;
-    if plan.relighting.is_none() || plan.chooses_gain() || plan.shows_shape {
-        trace_of_gradient(run);
+    let is_whole = plan.relighting.is_none();
+    if !plan.wants(Product::Hessian) {
+        if is_whole || plan.chooses_gain() || plan.shows_shape {
+            trace_of_gradient(run);
+        }
+    } else if is_whole {
+        describe(run);
     }
+}
+
+/// The Hessian with its trace, or, where curvatures are wanted, which have the same sum, with these; and directions.
+fn describe(run: &mut Execution) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
+    let with_curvatures = plan.wants(Product::Curvature);
+    let sum = if with_curvatures {
+        Product::Curvature
+    } else {
+        Product::Trace
+    };
+    let mut made = vec![Product::Hessian, sum];
+    made.extend(
+        plan.wants(Product::ViewDirection)
+            .then_some(Product::ViewDirection),
+    );
+    if run.has_kept(&made, plan.key(CURVATURE.name)) {
+        return;
+    }
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let (gradient, conductance) = slopes(&shape);
+    let (hessian, trace, curvatures, direction_view) = run.timed(CURVATURE.name, || {
+        let hessian = cpu::hessian(gradient, conductance, mask, memory);
+        let hessian = hessian_at(plan.resolution_factor, hessian);
+        let trace = (!with_curvatures).then(|| cpu::trace_of(&hessian, mask, memory));
+        let curvatures = with_curvatures.then(|| cpu::curvatures(&hessian, mask, memory));
+        let directions = (made.len() > 2).then(|| cpu::directions(&hessian, mask, memory));
+        (hessian, trace, curvatures, directions)
+    });
+    run.outcome.shape = Shape {
+        hessian: Some(hessian),
+        trace,
+        curvatures,
+        direction_view,
+        ..shape
+    };
 }
 
 /// The trace of the Hessian, from the gradient; rounded as the sum of the curvatures where these are wanted too.
@@ -170,7 +164,7 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
     }
     let shape = std::mem::take(&mut run.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
-    let trace = run.timed("trace", || {
+    let trace = run.timed(CURVATURE.name, || {
         if factor != 1.0 && plan.wants(Product::Curvature) {
             let hessian = cpu::hessian(gradient, conductance, mask, memory);
             let hessian = hessian_at(factor, hessian);
@@ -184,53 +178,6 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
         trace: Some(trace),
         ..shape
     };
-}
-
-/// The Hessian, and its trace unless curvatures are computed, which have the same sum. Relighting computes both row by
-/// row.
-fn find_hessian(run: &mut Execution) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
-    let with_trace = !plan.wants(Product::Curvature);
-    let made = [Product::Hessian, Product::Trace];
-    let made = if with_trace { &made[..] } else { &made[..1] };
-    if plan.relighting.is_some() || run.has_kept(made, plan.key(HESSIAN.name)) {
-        return;
-    }
-    let shape = std::mem::take(&mut run.outcome.shape);
-    let (gradient, conductance) = slopes(&shape);
-    let (hessian, trace) = run.timed(HESSIAN.name, || {
-        let hessian = cpu::hessian(gradient, conductance, mask, memory);
-        let hessian = hessian_at(plan.resolution_factor, hessian);
-        let trace = with_trace.then(|| cpu::trace_of(&hessian, mask, memory));
-        (hessian, trace)
-    });
-    run.outcome.shape = Shape {
-        hessian: Some(hessian),
-        trace,
-        ..shape
-    };
-}
-
-fn find_curvatures(run: &mut Execution) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
-    if run.has_kept(&[Product::Curvature], plan.key(CURVATURES.name)) {
-        return;
-    }
-    let hessian = taken(&mut run.outcome.shape);
-    let curvatures = run.timed(CURVATURES.name, || cpu::curvatures(&hessian, mask, memory));
-    let shape = &mut run.outcome.shape;
-    (shape.hessian, shape.curvatures) = (Some(hessian), Some(curvatures));
-}
-
-fn find_directions(run: &mut Execution) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
-    if run.has_kept(&[Product::ViewDirection], plan.key(DIRECTIONS.name)) {
-        return;
-    }
-    let hessian = taken(&mut run.outcome.shape);
-    let directions = run.timed(DIRECTIONS.name, || cpu::directions(&hessian, mask, memory));
-    let shape = &mut run.outcome.shape;
-    (shape.hessian, shape.direction_view) = (Some(hessian), Some(directions));
 }
 
 fn map_curvature(run: &mut Execution) {
@@ -270,14 +217,6 @@ const SLOPES: &str = "curvature is planned with its gradient";
 fn slopes(shape: &Shape) -> (&Vector2Planes, &Plane) {
     let gradient = shape.gradient.as_ref().expect(SLOPES);
     (gradient, shape.conductance.as_ref().expect(SLOPES))
-}
-
-/// The Hessian, moved out while other products are derived from it.
-fn taken(shape: &mut Shape) -> SymmetricPlanes {
-    shape
-        .hessian
-        .take()
-        .expect("curvatures are planned with their Hessian")
 }
 
 /// The Hessian, converted to pixels of the reference.

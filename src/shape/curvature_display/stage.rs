@@ -1,7 +1,7 @@
 //! The curvature display as a picture.
 
 use crate::engine::cpu::execution::Execution;
-use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::curvature_display::curvature_display;
 
@@ -10,14 +10,14 @@ pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
     takes: |_| vec![Product::Trace, Product::Conductance],
     makes: Makes::Picture,
     name: "display",
-    steps: &[Step {
-        name: "curvature-display",
-        gives: &[Product::Picture],
-        decide: |plan| match plan.display {
+    steps: &[step(
+        "curvature-display",
+        &[Product::Picture],
+        |plan| match plan.display {
             true => Verdict::runs("a picture of the descriptor"),
             false => plan.left_out("no display is asked for"),
         },
-    }],
+    )],
     cpu: display,
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::display),

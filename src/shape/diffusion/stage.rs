@@ -5,7 +5,7 @@ use crate::frame::{Vector2Planes, Window};
 use crate::params::ShapeParams;
 use crate::plan::Plan;
 use crate::plan::planned::Tile;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::diffusion::cpu::Diffused;
 use crate::shape::diffusion::importance::Levels;
@@ -27,11 +27,7 @@ pub(crate) static DIFFUSION: Stage = Stage {
     depends_on: |plan| format!("{:?}", plan.sweeps),
     reads_normals: false,
     name: "diffusion",
-    steps: &[Step {
-        name: "diffusion",
-        gives: &[Product::Gradient],
-        decide,
-    }],
+    steps: &[step("diffusion", &[Product::Gradient], decide)],
     cpu: diffuse,
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::diffuse),

@@ -4,7 +4,7 @@ use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::Shape;
 use crate::frame::gap::GAP_REACH;
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::edges::SilhouetteSource;
 use crate::shape::edges::cpu::edges_with_weights;
@@ -24,53 +24,35 @@ pub(crate) static EDGES: Stage = Stage {
     reads_lengths: true,
     name: "edges-and-gradient",
     steps: &[
-        Step {
-            name: "depth-silhouettes",
-            gives: &[Product::Silhouette],
-            decide: |plan| silhouettes(SilhouetteSource::Depth, plan, "gaps between surfaces"),
-        },
-        Step {
-            name: "occlusion-silhouettes",
-            gives: &[Product::Silhouette],
-            decide: |plan| {
-                silhouettes(
-                    SilhouetteSource::Occlusion,
-                    plan,
-                    "no depth: jumps of occlusion or alpha",
-                )
-            },
-        },
-        Step {
-            name: "border-silhouettes",
-            gives: &[Product::Silhouette],
-            decide: |plan| {
-                silhouettes(
-                    SilhouetteSource::Border,
-                    plan,
-                    "no depth: the border of the mask",
-                )
-            },
-        },
-        Step {
-            name: "creases",
-            gives: &[Product::Crease],
-            decide: |plan| where_edges_are_wanted(plan, "from normals"),
-        },
-        Step {
-            name: "conductance",
-            gives: &[Product::Conductance],
-            decide: |plan| {
-                where_edges_are_wanted(plan, "barriers for diffusion, flatness at edges")
-            },
-        },
-        Step {
-            name: "gradient",
-            gives: &[Product::Gradient],
-            decide: |plan| match plan.wants(Product::Gradient) {
+        step("depth-silhouettes", &[Product::Silhouette], |plan| {
+            silhouettes(SilhouetteSource::Depth, plan, "gaps between surfaces")
+        }),
+        step("occlusion-silhouettes", &[Product::Silhouette], |plan| {
+            silhouettes(
+                SilhouetteSource::Occlusion,
+                plan,
+                "no depth: jumps of occlusion or alpha",
+            )
+        }),
+        step("border-silhouettes", &[Product::Silhouette], |plan| {
+            silhouettes(
+                SilhouetteSource::Border,
+                plan,
+                "no depth: the border of the mask",
+            )
+        }),
+        step("creases", &[Product::Crease], |plan| {
+            where_edges_are_wanted(plan, "from normals")
+        }),
+        step("conductance", &[Product::Conductance], |plan| {
+            where_edges_are_wanted(plan, "barriers for diffusion, flatness at edges")
+        }),
+        step("gradient", &[Product::Gradient], |plan| {
+            match plan.wants(Product::Gradient) {
                 true => Verdict::runs(format!("foreshortening {}", plan.shape.foreshortening)),
                 false => plan.left_out("no curvature is needed"),
-            },
-        },
+            }
+        }),
     ],
     cpu: find_edges,
     #[cfg(feature = "gpu")]

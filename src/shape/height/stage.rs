@@ -2,30 +2,27 @@
 
 use super::cpu::find_height;
 use super::{NAME, goes_over_edges};
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 
 /// The height from normals, and what it misses of them.
 pub(crate) static HEIGHT: Stage = Stage {
     name: NAME,
     steps: &[
-        Step {
-            name: NAME,
-            gives: &[Product::Height],
-            decide: |plan| match plan.wants(Product::Height) || plan.wants(Product::HeightResidual)
-            {
+        step(NAME, &[Product::Height], |plan| {
+            match plan.wants(Product::Height) || plan.wants(Product::HeightResidual) {
+                true => Verdict::runs("asked for"),
+                false => Verdict::left_out("not asked for"),
+            }
+        }),
+        step(
+            "height-residual",
+            &[Product::HeightResidual],
+            |plan| match plan.wants(Product::HeightResidual) {
                 true => Verdict::runs("asked for"),
                 false => Verdict::left_out("not asked for"),
             },
-        },
-        Step {
-            name: "height-residual",
-            gives: &[Product::HeightResidual],
-            decide: |plan| match plan.wants(Product::HeightResidual) {
-                true => Verdict::runs("asked for"),
-                false => Verdict::left_out("not asked for"),
-            },
-        },
+        ),
     ],
     takes: |plan| match goes_over_edges(plan) {
         true => Vec::new(),

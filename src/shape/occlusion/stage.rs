@@ -2,23 +2,23 @@
 
 use super::cpu::{find_sky, radius_px};
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 
 /// The sky seen from each pixel, and from where on average.
 pub(crate) static OCCLUSION: Stage = Stage {
     name: "occlusion",
-    steps: &[Step {
-        name: "occlusion",
-        gives: &[Product::Sky, Product::BentNormal],
-        decide: |plan| match is_wanted(plan) {
+    steps: &[step(
+        "occlusion",
+        &[Product::Sky, Product::BentNormal],
+        |plan| match is_wanted(plan) {
             true => Verdict::runs(format!(
                 "asked for, within {} px",
                 plan.shape.occlusion_radius
             )),
             false => Verdict::left_out("not asked for"),
         },
-    }],
+    )],
     takes: |_| vec![Product::Height],
     reach_px: |plan| match plan.tile {
         // What lies around a tile is known from the tile.
