@@ -1,6 +1,5 @@
 //! Passes from the gradient to curvature and its directions.
 
-use crate::frame::CurvaturePlanes;
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::kernel::fast_math::select;
 use crate::kernel::memory::Memory;
@@ -27,18 +26,38 @@ pub(crate) fn trace(
     trace
 }
 
-/// The whole Hessian.
-pub(crate) fn hessian(
+/// The Hessian, times `factor`; with six planes also the curvatures u, v and mean, and with eight the direction of the larger
+/// one by magnitude too.
+pub(crate) fn described<const N: usize>(
     gradient: &Vector2Planes,
     conductance: &Plane,
+    factor: f32,
     mask: &Mask,
     memory: &Memory,
-) -> SymmetricPlanes {
-    let [xx, xy, yy] = map_rows(mask, memory, |y, out| {
+) -> [Plane; N] {
+    map_rows(mask, memory, |y, mut out| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        wide!(hessian::hessian_row(out, &gx, &gy, &c, mask.span(y)));
-    });
-    SymmetricPlanes { xx, xy, yy }
+        let (part, covered) = (mask.span(y), mask.row(y));
+        let mut rows = out.iter_mut();
+        let mut next = || &mut **rows.next().expect("a plane for each");
+        let hessian = [next(), next(), next()];
+        wide!(hessian::hessian_row(hessian, &gx, &gy, &c, part.clone()));
+        let mut rows = out.iter_mut().map(|row| &mut row[part.clone()]);
+        let mut next = || rows.next().expect("a plane for each");
+        let mut hessian = [next(), next(), next()];
+        if factor != 1.0 {
+            wide!(scale_rows(&mut hessian, factor));
+        }
+        let hessian = hessian.map(|row| &*row);
+        let covered = &covered[part.clone()];
+        if N > 3 {
+            let curvatures = [next(), next(), next()];
+            wide!(curvatures_row(curvatures, hessian, covered));
+        }
+        if N > 6 {
+            wide!(directions_row([next(), next()], hessian, covered));
+        }
+    })
 }
 
 /// Trace of an existing Hessian.
@@ -48,30 +67,6 @@ pub(crate) fn trace_of(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) 
         move |x| [xx[x] + yy[x]]
     });
     trace
-}
-
-/// Principal and mean curvatures.
-pub(crate) fn curvatures(
-    hessian: &SymmetricPlanes,
-    mask: &Mask,
-    memory: &Memory,
-) -> CurvaturePlanes {
-    let [u, v, mean] = map_rows(mask, memory, |y, out| {
-        let part = mask.span(y);
-        let entries = entries(hessian, y, &part);
-        wide!(curvatures_row(cut(out, &part), entries, &mask.row(y)[part]));
-    });
-    CurvaturePlanes { u, v, mean }
-}
-
-/// Directions of the larger principal curvature by magnitude.
-pub(crate) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Vector2Planes {
-    let [x, y] = map_rows(mask, memory, |y, out| {
-        let part = mask.span(y);
-        let entries = entries(hessian, y, &part);
-        wide!(directions_row(cut(out, &part), entries, &mask.row(y)[part]));
-    });
-    Vector2Planes { x, y }
 }
 
 /// Mapped curvature.
@@ -84,10 +79,12 @@ pub(crate) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask, memory: &M
     mapped
 }
 
-/// The entries xx, xy, yy of part of row `y`.
-fn entries<'a>(hessian: &'a SymmetricPlanes, y: usize, part: &Range<usize>) -> [&'a [f32]; 3] {
-    let SymmetricPlanes { xx, xy, yy } = hessian;
-    [xx, xy, yy].map(|plane| &plane.row(y)[part.clone()])
+/// Derivatives per pixel of the reference.
+#[inline(always)]
+fn scale_rows(rows: &mut [&mut [f32]; 3], factor: f32) {
+    for row in rows {
+        row.iter_mut().for_each(|v| *v *= factor);
+    }
 }
 
 /// That part of rows.

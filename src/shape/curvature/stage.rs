@@ -121,35 +121,38 @@ fn find_curvature(run: &mut Execution) {
 /// The Hessian with its trace, or, where curvatures are wanted, which have the same sum, with these; and directions.
 fn describe(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
-    let with_curvatures = plan.wants(Product::Curvature);
-    let sum = if with_curvatures {
-        Product::Curvature
-    } else {
-        Product::Trace
-    };
-    let mut made = vec![Product::Hessian, sum];
-    made.extend(
-        plan.wants(Product::ViewDirection)
-            .then_some(Product::ViewDirection),
-    );
+    let layers = [Product::Curvature, Product::ViewDirection];
+    let wanted = layers.map(|product| plan.wants(product));
+    let mut made = vec![Product::Hessian];
+    made.extend((!wanted[0]).then_some(Product::Trace));
+    made.extend(layers.into_iter().filter(|&product| plan.wants(product)));
     if run.has_kept(&made, plan.key(CURVATURE.name)) {
         return;
     }
-    let shape = std::mem::take(&mut run.outcome.shape);
+    let (shape, factor) = (
+        std::mem::take(&mut run.outcome.shape),
+        plan.resolution_factor as f32,
+    );
     let (gradient, conductance) = slopes(&shape);
-    let (hessian, trace, curvatures, direction_view) = run.timed(CURVATURE.name, || {
-        let hessian = cpu::hessian(gradient, conductance, mask, memory);
-        let hessian = hessian_at(plan.resolution_factor, hessian);
-        let trace = (!with_curvatures).then(|| cpu::trace_of(&hessian, mask, memory));
-        let curvatures = with_curvatures.then(|| cpu::curvatures(&hessian, mask, memory));
-        let directions = (made.len() > 2).then(|| cpu::directions(&hessian, mask, memory));
-        (hessian, trace, curvatures, directions)
+    let (hessian, trace, layers) = run.timed(CURVATURE.name, || {
+        let (hessian, layers) = if wanted == [false; 2] {
+            let hessian = cpu::described(gradient, conductance, factor, mask, memory);
+            (symmetric(hessian), None)
+        } else {
+            let [xx, xy, yy, u, v, mean, x, y] =
+                cpu::described(gradient, conductance, factor, mask, memory);
+            let layers = (CurvaturePlanes { u, v, mean }, Vector2Planes { x, y });
+            (SymmetricPlanes { xx, xy, yy }, Some(layers))
+        };
+        let trace = (!wanted[0]).then(|| cpu::trace_of(&hessian, mask, memory));
+        (hessian, trace, layers)
     });
+    let (curvatures, directions) = layers.unzip();
     run.outcome.shape = Shape {
         hessian: Some(hessian),
         trace,
-        curvatures,
-        direction_view,
+        curvatures: curvatures.filter(|_| wanted[0]),
+        direction_view: directions.filter(|_| wanted[1]),
         ..shape
     };
 }
@@ -166,8 +169,8 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
     let (gradient, conductance) = slopes(&shape);
     let trace = run.timed(CURVATURE.name, || {
         if factor != 1.0 && plan.wants(Product::Curvature) {
-            let hessian = cpu::hessian(gradient, conductance, mask, memory);
-            let hessian = hessian_at(factor, hessian);
+            let described = cpu::described(gradient, conductance, factor as f32, mask, memory);
+            let hessian = symmetric(described);
             let trace = cpu::trace_of(&hessian, mask, memory);
             memory.recycle([hessian.xx, hessian.xy, hessian.yy]);
             return trace;
@@ -182,7 +185,7 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
 
 fn map_curvature(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
-    let gain = run.gain();
+    let (gain, factor) = (run.gain(), plan.resolution_factor as f32);
     let (shape, summed) = (&run.outcome.shape, run.trace.take());
     let summed = summed.or_else(|| shape.curvatures.as_ref().map(CurvaturePlanes::trace));
     let trace = summed.as_ref().or(shape.trace.as_ref());
@@ -196,9 +199,10 @@ fn map_curvature(run: &mut Execution) {
     let scales = run.timed("more-scales", || {
         let scales = gradients.into_iter().zip(&plan.more_px);
         let described = scales.map(|(gradient, &sigma_px)| {
-            let hessian = cpu::hessian(&gradient, &conductance, mask, memory);
-            let hessian = hessian_at(plan.resolution_factor, hessian);
-            let curvatures = cpu::curvatures(&hessian, mask, memory);
+            let [xx, xy, yy, u, v, mean] =
+                cpu::described(&gradient, &conductance, factor, mask, memory);
+            memory.recycle([xx, xy, yy]);
+            let curvatures = CurvaturePlanes { u, v, mean };
             let trace = curvatures.trace();
             ScaleShape {
                 sigma_px,
@@ -219,16 +223,11 @@ fn slopes(shape: &Shape) -> (&Vector2Planes, &Plane) {
     (gradient, shape.conductance.as_ref().expect(SLOPES))
 }
 
-/// The Hessian, converted to pixels of the reference.
-fn hessian_at(factor: f64, per_pixel: SymmetricPlanes) -> SymmetricPlanes {
-    SymmetricPlanes {
-        xx: per_reference_pixel(per_pixel.xx, factor),
-        xy: per_reference_pixel(per_pixel.xy, factor),
-        yy: per_reference_pixel(per_pixel.yy, factor),
-    }
+fn symmetric([xx, xy, yy]: [Plane; 3]) -> SymmetricPlanes {
+    SymmetricPlanes { xx, xy, yy }
 }
 
-/// Derivatives per pixel of the reference: the only place where curvature is scaled by the resolution factor.
+/// Derivatives per pixel of the reference.
 fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
     if factor != 1.0 {
         let factor = factor as f32;
