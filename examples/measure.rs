@@ -60,7 +60,7 @@ const PEER: &str = "RELIEVO_PEER";
 type Parts = &'static [(&'static str, &'static [&'static str])];
 
 /// The stages from normals and depth to curvature.
-const SHAPE: &[&str] = &["edges-and-gradient", "diffusion", "trace"];
+const SHAPE: &[&str] = &["edges-and-gradient", "diffusion", "curvature"];
 
 const SHAPE_PARTS: Parts = &[("diffusion", &["diffusion"]), ("shape", SHAPE)];
 
