@@ -103,8 +103,7 @@ impl FrameSources {
         }
         if needs.albedo {
             let albedo = find(Role::Albedo, &inputs.albedo)?;
-            let by_name = || RoleSource::resolve(Role::DiffuseColor, None, main);
-            roles.extend(albedo.map_or_else(by_name, |albedo| Ok(Some(albedo)))?);
+            roles.extend(albedo.or_else(|| RoleSource::by_role(Role::DiffuseColor, main)));
         }
         if let Some(name) = &inputs.mask {
             refuse_numbers(name, main)?;

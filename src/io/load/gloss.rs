@@ -8,7 +8,6 @@
 use super::cryptomatte;
 use super::opened::Opened;
 use super::sources::RoleSource;
-use crate::error::Result;
 use crate::frame::{ColorPlanes, Gloss, Plane, each_row_of};
 use crate::io::exr::{ChannelId, ExrFile};
 use crate::io::judge::samples_of_layers::{Band, samples};
@@ -81,9 +80,9 @@ const NO_COLOR: f64 = 1e-3;
 const WORTH_TELLING: f64 = 0.002;
 
 /// The layer of the diffuse colour.
-pub(crate) fn albedo(main: &Rc<Opened>) -> Result<Option<RoleSource>> {
-    let find = |role| RoleSource::resolve(role, None, main);
-    Ok(find(Role::Albedo)?.or(find(Role::DiffuseColor)?))
+pub(crate) fn albedo(main: &Rc<Opened>) -> Option<RoleSource> {
+    let find = |role| RoleSource::by_role(role, main);
+    find(Role::Albedo).or_else(|| find(Role::DiffuseColor))
 }
 
 /// The light of a picture that its diffuse colour does not tell of, from the layers read; `None` without any.
@@ -209,17 +208,12 @@ fn largest(color: [f32; 3]) -> f32 {
 
 /// What a sample of the file tells: whether colours of gloss are tints, and a warning where a share of the surface has no
 /// diffuse colour.
-pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Option<String>)> {
-    let nothing = (false, None);
-    let Some(file) = main.exr() else {
-        return Ok(nothing);
-    };
-    let found = |source: Option<RoleSource>| source?.found().cloned();
-    let find = |role| Ok::<_, crate::error::Error>(found(RoleSource::resolve(role, None, main)?));
-    let Some(albedo) = found(albedo(main)?) else {
-        return Ok(nothing);
-    };
-    let color = find(Role::Color)?.and_then(|color| {
+pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Option<(bool, Option<String>)> {
+    let file = main.exr()?;
+    let found = |source: RoleSource| source.found().cloned();
+    let find = |role| RoleSource::by_role(role, main).and_then(found);
+    let albedo = albedo(main).and_then(found)?;
+    let color = find(Role::Color).and_then(|color| {
         let alpha = color.alpha?;
         Some(Match {
             channels: vec![alpha],
@@ -227,15 +221,12 @@ pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Op
             ..color
         })
     });
-    let mirrors = match find(Role::GlossyColor)? {
-        Some(color) => Some(color),
-        None => find(Role::SpecularAlbedo)?,
-    };
+    let mirrors = find(Role::GlossyColor).or_else(|| find(Role::SpecularAlbedo));
     let label = mirrors.as_ref().map(|found| found.layer.clone());
     let (numbers, names) = objects(file, &main.layers);
     let window = |found: &Match| file.parts[found.part].window;
     let own = window(&albedo);
-    let beside = [find(Role::Normal)?, color, mirrors, numbers];
+    let beside = [find(Role::Normal), color, mirrors, numbers];
     let beside = beside.map(|found| found.filter(|found| window(found) == own));
     let wanted: Vec<Match> = std::iter::once(&albedo)
         .chain(beside.iter().flatten())
@@ -244,9 +235,7 @@ pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Op
     let mut read = samples(file, &wanted)
         .into_iter()
         .map(|sampled| sampled.bands);
-    let Some(albedo) = read.next() else {
-        return Ok(nothing);
-    };
+    let albedo = read.next()?;
     let beside = beside.map(|found| found.and_then(|_| read.next()));
     let [normal, alpha, mirrors, number] = &beside;
     let at = |bands: &Option<Vec<Band>>, [band, x, y]: [usize; 3]| {
@@ -293,7 +282,7 @@ pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Op
     dark.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
     let names: Vec<String> = dark.into_iter().map(|(number, _)| names(number)).collect();
     let warning = (share > WORTH_TELLING).then(|| warning(share, &names, label, layers));
-    Ok((is_tint, warning))
+    Some((is_tint, warning))
 }
 
 /// The layer that numbers objects, and their names.

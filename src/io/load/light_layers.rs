@@ -103,10 +103,10 @@ impl LightSources {
                 RoleSource::resolve(Role::Occlusion, inputs.occlusion.as_deref(), main)?;
             found.add(Use::Occlusion, occlusion);
         }
-        if light.gloss && gloss::albedo(main)?.is_some() {
+        if light.gloss && gloss::albedo(main).is_some() {
             for (part, roles) in gloss::LAYERS {
-                let find = |role: &Role| RoleSource::resolve(*role, None, main).transpose();
-                if let Some(source) = roles.iter().find_map(find).transpose()? {
+                let find = |role: &Role| RoleSource::by_role(*role, main);
+                if let Some(source) = roles.iter().find_map(find) {
                     let bare = is_without_color(source.label());
                     found.add(Use::Gloss(part, bare), Some(source));
                 }
@@ -175,10 +175,10 @@ impl LightSources {
         self.whole = self.has_lobes() && self.unread.is_empty();
         if self.whole {
             for role in REST {
-                self.add(Use::Rest, RoleSource::resolve(role, None, main)?);
+                self.add(Use::Rest, RoleSource::by_role(role, main));
             }
             if !self.sources.iter().any(|s| REST[..2].contains(&s.role)) {
-                self.add(Use::Rest, RoleSource::resolve(Role::Volume, None, main)?);
+                self.add(Use::Rest, RoleSource::by_role(Role::Volume, main));
             }
         }
         Ok(())
@@ -198,11 +198,8 @@ impl LightSources {
             Lobe::Specular => (&light.specular, &None),
             _ => (&None, &None),
         };
-        let find = |role| RoleSource::resolve(role, None, main);
-        let mut parts = [None, None];
-        if named.is_none() {
-            parts = [find(direct)?, find(indirect)?];
-        }
+        let find = |role| RoleSource::by_role(role, main).filter(|_| named.is_none());
+        let mut parts = [direct, indirect].map(find);
         if parts.iter().all(Option::is_none) {
             parts[0] = RoleSource::resolve(all, named.as_deref(), main)?;
         }
@@ -225,10 +222,7 @@ impl LightSources {
             Some(name) => RoleSource::resolve(Role::Albedo, Some(name), main)?,
             None => None,
         };
-        let own_color = match (color, named) {
-            (Some(color), None) => find(color)?,
-            _ => None,
-        };
+        let own_color = color.and_then(find);
         let conclusion = if without_color || own_color.is_some() {
             let Some(color) = named_albedo.or(own_color) else {
                 let conclusion = format!("{sum}: not scaled, its color layer is missing");
@@ -242,10 +236,9 @@ impl LightSources {
             self.add(Use::Lobe(lobe, LobeLayer::Color), Some(color));
             conclusion
         } else {
-            let albedo = match (lobe, named_albedo) {
-                (Lobe::Diffuse, None) => find(Role::Albedo)?,
-                (_, named) => named,
-            };
+            let is_diffuse = lobe == Lobe::Diffuse;
+            let own = || RoleSource::by_role(Role::Albedo, main).filter(|_| is_diffuse);
+            let albedo = named_albedo.or_else(own);
             let included = albedo
                 .as_ref()
                 .map(|a| format!(", albedo {} included", a.label()));
@@ -285,7 +278,7 @@ impl LightSources {
         mask: &Mask,
         (inputs, main): (&Inputs, &Rc<Opened>),
         notes: &mut Notes,
-    ) -> Result<LightLayers> {
+    ) -> LightLayers {
         notes.findings.extend(self.findings);
         let mut layers = LightLayers {
             picture_is_occlusion: self.picture_is_occlusion,
@@ -322,7 +315,7 @@ impl LightSources {
             let known = wanted.gloss_is_tint;
             let judged = match known {
                 Some(is_tint) => (is_tint, None),
-                None => gloss::judge(main, &glossy)?,
+                None => gloss::judge(main, &glossy).unwrap_or_default(),
             };
             layers.gloss = gloss::of(glossy, judged.0, picture);
             notes.warnings.extend(judged.1);
@@ -336,7 +329,7 @@ impl LightSources {
             }
             report_difference(difference, leaves, notes);
         }
-        Ok(layers)
+        layers
     }
 }
 

@@ -231,7 +231,7 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         albedo: albedo.as_ref(),
         alpha: layers.alpha.as_ref(),
     };
-    let light = light.assemble(light_planes, picture, &mask, (inputs, &main), &mut notes)?;
+    let light = light.assemble(light_planes, picture, &mask, (inputs, &main), &mut notes);
     let chromaticities = source.chromaticities(colorspace);
     // Silhouettes follow depth where there is any.
     let alpha = layers.alpha.as_ref().filter(|_| layers.depth.is_none());

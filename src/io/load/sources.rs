@@ -80,7 +80,7 @@ impl RoleSource {
             .ok_or_else(|| no_such_layer(role, name, &file))
     }
 
-    fn by_role(role: Role, file: &Rc<Opened>) -> Option<Self> {
+    pub(crate) fn by_role(role: Role, file: &Rc<Opened>) -> Option<Self> {
         if file.photo().is_some() {
             return (role == Role::Color).then(|| Self::of(role, file, None, None));
         }

@@ -190,14 +190,11 @@ struct Layer<'a> {
 impl Layer<'_> {
     fn read(&self) -> Result<Frame> {
         let file = self.loaded.main.open_companion(self.path)?;
-        let find = |role| RoleSource::resolve(role, None, &file);
-        let place = match find(Role::Depth)? {
-            Some(depth) => depth,
-            None => find(Role::Position)?
-                .filter(|_| self.loaded.camera_is_placed)
-                .ok_or_else(|| missing(&file, Role::Depth, "another file"))?,
-        };
-        let sources = [Some(place), find(Role::Normal)?, find(Role::Color)?];
+        let find = |role| RoleSource::by_role(role, &file);
+        let position = || find(Role::Position).filter(|_| self.loaded.camera_is_placed);
+        let place = find(Role::Depth).or_else(position);
+        let place = place.ok_or_else(|| missing(&file, Role::Depth, "another file"))?;
+        let sources = [Some(place), find(Role::Normal), find(Role::Color)];
         let sources: Vec<_> = sources.into_iter().flatten().collect();
         let data_window = self.common_window(&file, &sources)?;
         let mut planes = Planes::read(&sources)?;

@@ -25,11 +25,8 @@ const MADE_ROUNDING: f32 = 1e-3;
 
 /// The layer of points: positions, or else distances.
 pub(crate) fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
-    let find = |role| RoleSource::resolve(role, None, file);
-    let place = match find(Role::Position)? {
-        Some(positions) => Some(positions),
-        None => find(Role::Depth)?,
-    };
+    let find = |role| RoleSource::by_role(role, file);
+    let place = find(Role::Position).or_else(|| find(Role::Depth));
     place.ok_or_else(|| {
         missing(
             file,
@@ -47,7 +44,7 @@ pub(crate) fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
 /// that is not equirectangular, or distances without a pose.
 pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surroundings> {
     let file = Opened::open(path)?;
-    let find = |role| RoleSource::resolve(role, None, &file);
+    let find = |role| RoleSource::by_role(role, &file);
     let place = place_in(&file)?;
     let has_positions = place.role == Role::Position;
     let window = place.window();
@@ -63,8 +60,8 @@ pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surr
         ));
     }
     let mut sources = vec![place];
-    sources.extend(find(Role::Normal)?);
-    sources.extend(find(Role::Color)?);
+    sources.extend(find(Role::Normal));
+    sources.extend(find(Role::Color));
     sources.retain(|source| source.window() == window);
     let pose = pose.map(read_pose).transpose()?;
     let mut planes = Planes::read(&sources)?;
