@@ -53,16 +53,10 @@ fn named_parts(input: &ExrFile) -> Vec<Attributes> {
 
 /// `name`, with a number added if one of `parts` has it.
 fn free_name(name: &str, parts: &[Attributes]) -> String {
-    let taken = |name: &str| {
-        parts
-            .iter()
-            .any(|p| p.text("name").as_deref() == Some(name))
-    };
+    let taken: Vec<_> = parts.iter().filter_map(|part| part.text("name")).collect();
     let numbered = (2..).map(|n| format!("{name}.{n}"));
-    std::iter::once(name.to_owned())
-        .chain(numbered)
-        .find(|name| !taken(name))
-        .unwrap_or_default()
+    let mut names = std::iter::once(name.to_owned()).chain(numbered);
+    names.find(|name| !taken.contains(name)).unwrap_or_default()
 }
 
 /// Chunks of a file that remain to be copied, in file order.

@@ -30,6 +30,25 @@ pub(super) struct ChunkReader<'a> {
     pub(super) position: u64,
 }
 
+impl ExrFile {
+    /// Whether all blocks of pixels are there, without decoding them.
+    pub fn is_whole(&self) -> bool {
+        self.ends_within().unwrap_or(false)
+    }
+
+    /// Whether the last block ends within the file; an error if others are missing.
+    fn ends_within(&self) -> Parsed<bool> {
+        let mut chunks = ChunkReader::open(self)?;
+        let mut last = 0;
+        for (part, header) in self.header.meta.headers.iter().enumerate() {
+            let offsets = chunks.offsets(part, header.chunk_count)?;
+            last = offsets.into_iter().fold(last, u64::max);
+        }
+        // A block that the file ends in is refused.
+        Ok(chunks.chunk(last, i32::MAX as u64).is_ok())
+    }
+}
+
 impl<'a> ChunkReader<'a> {
     pub(super) fn open(exr: &'a ExrFile) -> Parsed<Self> {
         Ok(ChunkReader {

@@ -35,14 +35,14 @@ pub enum OutputCompression {
 
 impl OutputCompression {
     /// All compressions.
-    pub const ALL: [OutputCompression; 7] = [
-        OutputCompression::None,
-        OutputCompression::Rle,
-        OutputCompression::Zips,
-        OutputCompression::Zip,
-        OutputCompression::Piz,
-        OutputCompression::Dwaa,
-        OutputCompression::Dwab,
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::Rle,
+        Self::Zips,
+        Self::Zip,
+        Self::Piz,
+        Self::Dwaa,
+        Self::Dwab,
     ];
 
     /// The name, as files and the command line have it.

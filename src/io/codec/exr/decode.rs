@@ -34,8 +34,9 @@ pub(super) struct Slot {
 impl Slot {
     pub(super) fn of_channel(header: &Header, channel: usize) -> Slot {
         let list = &header.channels.list;
+        let before = list[..channel].iter();
         Slot {
-            before: bytes_per_pixel(&list[..channel]),
+            before: before.map(|c| c.sample_type.bytes_per_sample()).sum(),
             sample_type: list[channel].sample_type,
         }
     }
@@ -63,13 +64,6 @@ impl Slot {
             }
         }
     }
-}
-
-fn bytes_per_pixel(channels: &[::exr::meta::attribute::ChannelDescription]) -> usize {
-    channels
-        .iter()
-        .map(|c| c.sample_type.bytes_per_sample())
-        .sum()
 }
 
 /// The 16-bit words of a decompressed block, in the order of memory: for each row, all samples of one channel after
@@ -134,16 +128,8 @@ impl<'t> Rows<'t> {
                     }
                 }
                 Rows::Bytes(bytes) => {
-                    let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
-                    let bytes_per_row = layout.width * layout.pixel_bytes;
-                    let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
-                    copy_row(
-                        &row,
-                        into,
-                        &layout.sample_bytes,
-                        layout.width,
-                        &area.columns,
-                    );
+                    let into = &mut bytes[y * layout.width * layout.pixel_bytes..];
+                    copy_row(words, into, layout, &area.columns);
                 }
             }
         }
@@ -152,17 +138,12 @@ impl<'t> Rows<'t> {
 
 /// Copies the samples of a row of a block, which has the `columns`, into a row of a picture `width`
 /// wide; `sample_bytes` are those of each channel.
-fn copy_row(
-    row: &[u8],
-    into: &mut [u8],
-    sample_bytes: &[usize],
-    width: usize,
-    columns: &Range<usize>,
-) {
+fn copy_row(words: &[u16], into: &mut [u8], layout: &Layout, columns: &Range<usize>) {
+    let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
     let mut before = 0;
-    for bytes in sample_bytes {
+    for bytes in &layout.sample_bytes {
         let from = &row[before * columns.len()..][..bytes * columns.len()];
-        into[before * width + bytes * columns.start..][..from.len()].copy_from_slice(from);
+        into[before * layout.width + bytes * columns.start..][..from.len()].copy_from_slice(from);
         before += bytes;
     }
 }

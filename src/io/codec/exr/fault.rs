@@ -25,7 +25,7 @@ impl Fault {
 
     /// Attaches the path.
     pub(super) fn at(self, path: &Path) -> Error {
-        let path = path.to_path_buf();
+        let (own, path) = (path, path.to_path_buf());
         match self {
             Fault::Damaged(found) => Error::Damaged { path, found },
             Fault::Unsupported { found, remedy } => Error::Unsupported {
@@ -33,11 +33,7 @@ impl Fault {
                 found,
                 remedy: remedy.into(),
             },
-            Fault::Read(source) => Error::Io {
-                path,
-                action: "read",
-                source,
-            },
+            Fault::Read(source) => Error::io(own, "read")(source),
         }
     }
 }

@@ -12,7 +12,6 @@ use super::write::{
 };
 use super::{ExrFile, OutputCompression};
 use crate::error::{Error, Result};
-use ::exr::compression::Compression;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::LevelMode;
 use std::collections::BTreeSet;
@@ -74,12 +73,9 @@ fn ready(
     let header = &input.header.meta.headers[part];
     let mut attributes = input.header.parts[part].clone();
     let mut warnings = Vec::new();
-    if !keeps_samples(header.compression) {
-        attributes.set(
-            "compression",
-            "compression",
-            vec![OutputCompression::Zip.code()],
-        );
+    if header.compression.may_loose_data() {
+        let zip = vec![OutputCompression::Zip.code()];
+        attributes.set("compression", "compression", zip);
         attributes.remove("dwaCompressionLevel");
         warnings.push(format!(
             "its {} pixels would lose precision once more; the part is ZIP-compressed now, and larger",
@@ -105,21 +101,8 @@ fn ready(
         attributes,
         header,
         sources,
-        planes: added.channels.len(),
     };
     Ok((ready, warnings))
-}
-
-/// Whether samples are the same, bit for bit, after they have been compressed.
-fn keeps_samples(compression: Compression) -> bool {
-    matches!(
-        compression,
-        Compression::Uncompressed
-            | Compression::RLE
-            | Compression::ZIP1
-            | Compression::ZIP16
-            | Compression::PIZ
-    )
 }
 
 /// The channel list of the part with those `added`, and where each comes from.
@@ -186,21 +169,13 @@ fn free_channels(
         let of_layer = |(name, _): &&mut (String, super::OutputType)| split(name).0 == layer;
         let mut of_layer: Vec<_> = channels.iter_mut().filter(of_layer).collect();
         let components: Vec<String> = of_layer.iter().map(|(name, _)| split(name).1).collect();
-        let base = if layer.is_empty() {
-            &added.name
-        } else {
-            &layer
-        };
+        let named = Some(&layer).filter(|layer| !layer.is_empty());
+        let base = named.unwrap_or(&added.name);
         let others = (2..).map(|n| format!("{base}.{n}"));
-        let free = [layer.clone(), base.clone()]
-            .into_iter()
-            .chain(others)
-            .find(|layer| {
-                components
-                    .iter()
-                    .all(|c| !taken.contains(&joined(layer, c)))
-            })
-            .unwrap_or_default();
+        let is_taken = |layer: &str, c: &String| taken.contains(&joined(layer, c));
+        let is_free = |layer: &String| !components.iter().any(|c| is_taken(layer, c));
+        let mut names = [layer.clone(), base.clone()].into_iter().chain(others);
+        let free = names.find(is_free).unwrap_or_default();
         for ((name, _), component) in of_layer.iter_mut().zip(&components) {
             *name = joined(&free, component);
             taken.insert(name.clone());

@@ -23,7 +23,6 @@ mod merge;
 mod part;
 mod read;
 mod sink;
-mod whole;
 mod write;
 mod writer;
 mod zip;

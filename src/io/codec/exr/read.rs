@@ -224,13 +224,8 @@ impl PartBlocks {
         let decode = |(i, bytes)| {
             let area = self.layout.area(band.index, i);
             let size = area.columns.len() * area.rows.len() * self.layout.pixel_bytes;
-            decode_block(
-                bytes,
-                meta,
-                self.part,
-                self.layout.place(band.index, i),
-                size,
-            )
+            let place = self.layout.place(band.index, i);
+            decode_block(bytes, meta, self.part, place, size)
         };
         let decoded: Vec<_> = blocks.into_par_iter().enumerate().map(decode).collect();
         for (i, block) in decoded.into_iter().enumerate() {

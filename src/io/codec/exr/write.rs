@@ -57,12 +57,12 @@ pub struct OutputChannel<'a> {
     pub sample_type: OutputType,
 }
 
-/// How samples are written.
+/// How samples are written, by the numbers in files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum OutputType {
     /// 16-bit floating point, rounded to nearest; what is too large becomes 65504 with its sign.
     /// Infinities and NaN stay what they are.
-    Half,
+    Half = 1,
     /// 32-bit floating point.
     Float,
 }
@@ -111,8 +111,6 @@ pub(super) struct ReadyPart {
     pub(super) header: Header,
     /// Where each channel comes from, sorted by name, as the file needs them.
     pub(super) sources: Vec<Source>,
-    /// How many planes have to be given.
-    pub(super) planes: usize,
 }
 
 impl ReadyPart {
@@ -137,7 +135,6 @@ impl ReadyPart {
             header,
             attributes,
             sources: order.iter().map(given).collect(),
-            planes: part.channels.len(),
         })
     }
 
@@ -197,7 +194,10 @@ fn attributes_of(part: &PartDescription, order: &[usize]) -> Result<Attributes> 
         });
     }
     let mut attributes = Attributes::default();
-    attributes.set("channels", "chlist", channel_list(part, order));
+    let entry = |&i: &usize| channel_entry(&part.channels[i].0, part.channels[i].1);
+    let mut list: Vec<u8> = order.iter().flat_map(entry).collect();
+    list.push(0);
+    attributes.set("channels", "chlist", list);
     attributes.set("compression", "compression", vec![part.compression.code()]);
     attributes.set_window("dataWindow", part.data_window);
     attributes.set_window("displayWindow", part.display_window);
@@ -237,36 +237,23 @@ pub(super) fn check_attribute_name(name: &str) -> Result<()> {
     }
 }
 
-fn channel_list(part: &PartDescription, order: &[usize]) -> Vec<u8> {
-    let entry = |&i: &usize| channel_entry(&part.channels[i].0, part.channels[i].1);
-    let mut bytes: Vec<u8> = order.iter().flat_map(entry).collect();
-    bytes.push(0);
-    bytes
-}
-
 /// A channel in the list of channels.
 pub(super) fn channel_entry(name: &str, sample_type: OutputType) -> Vec<u8> {
-    let kind: i32 = match sample_type {
-        OutputType::Half => 1,
-        OutputType::Float => 2,
-    };
     let mut bytes = name.as_bytes().to_vec();
     bytes.push(0);
-    bytes.extend_from_slice(&kind.to_le_bytes());
+    bytes.extend_from_slice(&(sample_type as i32).to_le_bytes());
     bytes.extend_from_slice(&[0; 4]); // not perceptually linear, three bytes unused
     bytes.extend_from_slice(&1i32.to_le_bytes());
     bytes.extend_from_slice(&1i32.to_le_bytes());
     bytes
 }
 
+/// Attributes that all parts of a file share.
+const SHARED: &str = "displayWindow pixelAspectRatio chromaticities timeCode";
+
 /// Takes over what all parts of a file must have in common.
 fn share(attributes: &mut Attributes, first: &Attributes) {
-    for name in [
-        "displayWindow",
-        "pixelAspectRatio",
-        "chromaticities",
-        "timeCode",
-    ] {
+    for name in SHARED.split_whitespace() {
         match first.get(name) {
             Some(a) => attributes.set(name, &String::from_utf8_lossy(&a.kind), a.value.clone()),
             None => attributes.remove(name),

@@ -124,7 +124,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             index,
             top: part.data_window.y0,
             width: part.data_window.width(),
-            planes: ready.planes,
+            planes: part.channels.len(),
             encoder: Encoder::new(ready),
             copied: None,
             waiting: Vec::new(),

@@ -55,9 +55,8 @@ pub(super) enum Way {
 
 /// zlib's working state: costly to make, and reused by all blocks of a thread.
 struct Compressors {
-    runs: Deflate,
-    first: Deflate,
-    coded: Deflate,
+    /// One for each way.
+    each: [Deflate; 3],
     sample: Vec<u8>,
 }
 
@@ -109,9 +108,11 @@ pub(super) fn deflate(
 impl Compressors {
     fn new() -> Self {
         Self {
-            runs: deflate_by(LEVEL, Strategy::Rle, -WINDOW_BITS),
-            first: deflate_by(LEAST_LEVEL, Strategy::Default, -WINDOW_BITS),
-            coded: deflate_by(LITTLE_LEVEL, Strategy::Default, -WINDOW_BITS),
+            each: [
+                deflate_by(LEVEL, Strategy::Rle, -WINDOW_BITS),
+                deflate_by(LEAST_LEVEL, Strategy::Default, -WINDOW_BITS),
+                deflate_by(LITTLE_LEVEL, Strategy::Default, -WINDOW_BITS),
+            ],
             sample: Vec::new(),
         }
     }
@@ -184,11 +185,7 @@ impl Compressors {
     }
 
     fn by(&mut self, way: Way) -> &mut Deflate {
-        match way {
-            Way::Runs => &mut self.runs,
-            Way::First => &mut self.first,
-            Way::Coded => &mut self.coded,
-        }
+        &mut self.each[way as usize]
     }
 }
 
