@@ -1,6 +1,7 @@
 //! Sequences: lists of frame numbers, and file names that hold one.
 
 use crate::untrusted::Untrusted;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Frame numbers in order, each once; at least one.
@@ -95,7 +96,7 @@ fn leading_number(text: &str) -> Option<(i32, &str)> {
 ///
 /// A single `#` is an ordinary character unless `frames` are given.
 pub fn is_pattern(name: &str) -> bool {
-    placeholders(name).any(|place| place.length > 1)
+    placeholders(name).any(|(place, _)| place.len() > 1)
 }
 
 /// The name for one frame: every run of `#` becomes the number, zero-padded to that many digits; so does `%04d`, and
@@ -103,10 +104,10 @@ pub fn is_pattern(name: &str) -> bool {
 pub fn of_frame(name: &str, frame: i32) -> Option<String> {
     let mut made = String::new();
     let mut from = 0;
-    for place in placeholders(name) {
+    for (place, digits) in placeholders(name) {
         made.push_str(&name[from..place.start]);
-        made.push_str(&format!("{frame:0width$}", width = place.digits));
-        from = place.start + place.length;
+        made.push_str(&format!("{frame:0digits$}"));
+        from = place.end;
     }
     (from > 0).then(|| made + &name[from..])
 }
@@ -116,14 +117,8 @@ pub fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
     of_frame(path.to_str()?, frame).map(PathBuf::from)
 }
 
-/// Placeholder of the frame number in a name.
-struct Placeholder {
-    start: usize,
-    length: usize,
-    digits: usize,
-}
-
-fn placeholders(name: &str) -> impl Iterator<Item = Placeholder> {
+/// The places of frame numbers in a name, and how many digits each has at least.
+fn placeholders(name: &str) -> impl Iterator<Item = (Range<usize>, usize)> {
     let bytes = name.as_bytes();
     let mut at = 0;
     std::iter::from_fn(move || {
@@ -131,11 +126,7 @@ fn placeholders(name: &str) -> impl Iterator<Item = Placeholder> {
             let start = at;
             if let Some((length, digits)) = placeholder(&bytes[start..]) {
                 at += length;
-                return Some(Placeholder {
-                    start,
-                    length,
-                    digits,
-                });
+                return Some((start..at, digits));
             }
             at += 1;
         }

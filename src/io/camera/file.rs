@@ -144,23 +144,17 @@ impl From<OutOfRange> for Rejected {
 
 type Parsed<T> = std::result::Result<T, Rejected>;
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Perspective,
-    Orthographic,
-}
-
 fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
     let file = CameraFile::parsed(text)?;
-    let kind = file.kind()?;
+    let is_parallel = file.is_parallel()?;
     let (view_from_world, scale) = match &file.world_to_camera {
         Some(rows) => rigid_transform(rows)?,
         None => (DAffine3::IDENTITY, 1.0),
     };
-    let lens = Lens::of(&file, kind, display, aspect)?;
+    let lens = Lens::of(&file, is_parallel, display, aspect)?;
     let camera = Camera {
         view_from_world,
-        projection: lens.projection(kind, scale, display),
+        projection: lens.projection(is_parallel, scale, display),
     };
     camera.check(display)?;
     Ok(camera)
@@ -176,25 +170,28 @@ impl CameraFile {
         })
     }
 
-    fn kind(&self) -> Parsed<Kind> {
+    fn is_parallel(&self) -> Parsed<bool> {
         let (focal, parallel) = (self.focal_px.is_some(), self.pixels_per_unit.is_some());
-        let named = self.camera_type.as_deref().map(kind_named).transpose()?;
+        let named = self
+            .camera_type
+            .as_deref()
+            .map(names_parallel)
+            .transpose()?;
         let (found, remedy) = match named {
             _ if focal && parallel => (
                 "has both focal_px and pixels_per_unit",
                 "keep focal_px for a perspective camera, pixels_per_unit for an orthographic one",
             ),
-            Some(Kind::Perspective) if parallel => (
+            Some(false) if parallel => (
                 "camera_type PERSP with pixels_per_unit",
                 "give focal_px instead, or set camera_type to ORTHO",
             ),
-            Some(Kind::Orthographic) if focal => (
+            Some(true) if focal => (
                 "camera_type ORTHO with focal_px",
                 "give pixels_per_unit instead, or set camera_type to PERSP",
             ),
-            Some(kind) => return Ok(kind),
-            None if parallel => return Ok(Kind::Orthographic),
-            None => return Ok(Kind::Perspective),
+            Some(named) => return Ok(named),
+            None => return Ok(parallel),
         };
         Err(Rejected::new(found, remedy))
     }
@@ -221,10 +218,10 @@ impl CameraFile {
     }
 }
 
-fn kind_named(name: &str) -> Parsed<Kind> {
+fn names_parallel(name: &str) -> Parsed<bool> {
     match name.to_ascii_uppercase().as_str() {
-        "PERSP" | "PERSPECTIVE" => Ok(Kind::Perspective),
-        "ORTHO" | "ORTHOGRAPHIC" => Ok(Kind::Orthographic),
+        "PERSP" | "PERSPECTIVE" => Ok(false),
+        "ORTHO" | "ORTHOGRAPHIC" => Ok(true),
         "PANO" | "PANORAMA" | "EQUIRECTANGULAR" => Err(Rejected::new(
             "the camera is a panorama",
             "render with a perspective or orthographic camera, or give view-space normals",
@@ -334,7 +331,7 @@ struct Lens {
 }
 
 impl Lens {
-    fn of(file: &CameraFile, kind: Kind, display: Window, aspect: f64) -> Parsed<Self> {
+    fn of(file: &CameraFile, is_parallel: bool, display: Window, aspect: f64) -> Parsed<Self> {
         let size = [display.width() as f64, display.height() as f64];
         let made_for = file.resolution.unwrap_or(size);
         let lens = match &file.intrinsics_px {
@@ -345,23 +342,28 @@ impl Lens {
                 ),
                 axis: DVec2::new(given.cx, given.cy),
             },
-            None => Self::of_focal(file, kind, made_for, aspect)?,
+            None => Self::of_focal(file, is_parallel, made_for, aspect)?,
         };
         lens.scaled(made_for, size)
     }
 
-    fn of_focal(file: &CameraFile, kind: Kind, made_for: [f64; 2], aspect: f64) -> Parsed<Self> {
-        let (key, given) = match kind {
-            Kind::Perspective => ("focal_px", file.focal_px),
-            Kind::Orthographic => ("pixels_per_unit", file.pixels_per_unit),
+    fn of_focal(
+        file: &CameraFile,
+        is_parallel: bool,
+        made_for: [f64; 2],
+        aspect: f64,
+    ) -> Parsed<Self> {
+        let (key, given) = match is_parallel {
+            false => ("focal_px", file.focal_px),
+            true => ("pixels_per_unit", file.pixels_per_unit),
         };
-        let focal = match (given, kind) {
-            (Some(fx), _) => {
+        let focal = match given {
+            Some(fx) => {
                 let fx = positive(fx, key)?;
                 Some([fx, fx * aspect])
             }
-            (None, Kind::Perspective) => file.focal_of_view(made_for, aspect)?,
-            (None, Kind::Orthographic) => None,
+            None if is_parallel => None,
+            None => file.focal_of_view(made_for, aspect)?,
         };
         let focal = focal.ok_or_else(|| {
             Rejected::new(
@@ -409,13 +411,12 @@ impl Lens {
         })
     }
 
-    fn projection(&self, kind: Kind, scale: f64, display: Window) -> Projection {
+    fn projection(&self, is_parallel: bool, scale: f64, display: Window) -> Projection {
         let corner = DVec2::new(display.x0.into(), display.y0.into());
-        let are_parallel = kind == Kind::Orthographic;
         // Lengths in view space shrank with the scale, so a unit now spans more pixels.
-        let times = if are_parallel { scale } else { 1.0 };
+        let times = if is_parallel { scale } else { 1.0 };
         let per_unit = (self.focal * times).to_array();
-        Projection::new(are_parallel, per_unit, self.axis + corner)
+        Projection::new(is_parallel, per_unit, self.axis + corner)
     }
 }
 

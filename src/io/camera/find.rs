@@ -2,7 +2,7 @@
 
 use super::attributes::{Candidate, candidates, is_mirrored};
 use super::samples::quantile;
-use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
+use super::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
@@ -75,14 +75,9 @@ impl<'a> CameraSearch<'a> {
     /// # Errors
     /// Those of reading the file.
     pub(in crate::io) fn placed(&mut self, normals: &NormalSamples) -> Result<Option<Camera>> {
-        let SurfaceSamples {
-            position,
-            display_window,
-            pixel_aspect,
-            ..
-        } = *self.surface;
+        let surface = self.surface;
         if let Some(known) = self.inputs.known_camera {
-            let checked = known.camera.check(display_window);
+            let checked = known.camera.check(surface.display_window);
             checked.map_err(|number| Error::BadParameter {
                 name: "--still-camera",
                 found: format!("is out of range: {}", number.found()),
@@ -90,29 +85,19 @@ impl<'a> CameraSearch<'a> {
             })?;
             return Ok(known.is_placed.then_some(known.camera));
         }
-        let found = match (&self.inputs.camera, position) {
-            (Some(path), _) => {
-                let camera = read_camera(path, display_window, pixel_aspect)?;
-                FoundCamera::new(camera, format!("from {}", path.display()))
+        let found = match &self.inputs.camera {
+            Some(path) => {
+                let camera = read_camera(path, surface.display_window, surface.pixel_aspect)?;
+                let evidence = format!("from {}", path.display());
+                Some(FoundCamera::new(camera, evidence))
             }
-            (None, position) => match (self.by_attributes(normals), position) {
-                (Some(found), _) => found,
-                (None, Some(position)) => match self.by_positions(position) {
-                    Ok(found) => {
-                        self.has_recovered = true;
-                        found
-                    }
-                    Err(failure) => {
-                        self.failure = Some(failure);
-                        self.report(None);
-                        return Ok(None);
-                    }
-                },
-                (None, None) => return Ok(None),
-            },
+            None => {
+                let by_attributes = self.by_attributes(normals);
+                by_attributes.or_else(|| self.by_positions())
+            }
         };
-        self.report(Some(&found));
-        Ok(Some(found.camera))
+        self.report(found.as_ref());
+        Ok(found.map(|found| found.camera))
     }
 
     /// The reading of the attributes that agrees best with the positions, else with the normals, else the
@@ -154,24 +139,37 @@ impl<'a> CameraSearch<'a> {
         Some(FoundCamera::new(chosen.camera, evidence))
     }
 
-    fn by_positions(
-        &self,
-        position: &Vector3Planes,
-    ) -> std::result::Result<FoundCamera, RecoveryFailure> {
+    fn by_positions(&mut self) -> Option<FoundCamera> {
         let surface = self.surface;
         let found = recover_camera(
-            position,
+            surface.position?,
             surface.mask,
             surface.data_window,
             surface.display_window,
             surface.pixel_aspect,
-        )?;
-        found.camera.check(surface.display_window)?;
+        );
+        let found = self.recovered(found, |found| found.camera)?;
         let evidence = format!(
             "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
             found.samples, found.residual_px_median, found.residual_px_p95
         );
-        Ok(FoundCamera::new(found.camera, evidence))
+        Some(FoundCamera::new(found.camera, evidence))
+    }
+
+    /// What was recovered, unless that failed or its camera is out of range, which is noted.
+    fn recovered<T>(
+        &mut self,
+        found: std::result::Result<T, RecoveryFailure>,
+        camera: impl Fn(&T) -> Camera,
+    ) -> Option<T> {
+        let in_range = found.and_then(|found| {
+            camera(&found).check(self.surface.display_window)?;
+            Ok(found)
+        });
+        self.has_recovered |= in_range.is_ok();
+        in_range
+            .map_err(|failure| self.failure = Some(failure))
+            .ok()
     }
 
     /// Rotation and lens recovered from depth and `normal`, without a place. It makes no finding.
@@ -190,18 +188,7 @@ impl<'a> CameraSearch<'a> {
             surface.display_window,
             surface.pixel_aspect,
         );
-        let in_range = |found: DepthCamera| {
-            found.camera.check(surface.display_window)?;
-            Ok(found)
-        };
-        let found = match found.and_then(in_range) {
-            Ok(found) => found,
-            Err(failure) => {
-                self.failure = Some(failure);
-                return None;
-            }
-        };
-        self.has_recovered = true;
+        let found = self.recovered(found, |found| found.camera)?;
         let evidence = format!(
             "recovered from normals and {}, rotation within {:.2} degrees, focal within {:.1} %",
             found.depth_kind,

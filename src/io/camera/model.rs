@@ -53,24 +53,20 @@ pub(super) fn wahba(sum: &Matrix3<f64>, mirrored: bool) -> Option<Matrix3<f64>> 
     Some(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t)
 }
 
-/// Which parameters a fit may move.
+/// Which parameters a fit may move, by their number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Free {
     /// A parallel projection.
-    Parallel,
+    Parallel = 6,
     /// A perspective with the principal point at the centre of the display window.
-    Perspective,
+    Perspective = 7,
     /// A perspective with lens shift.
-    Shifted,
+    Shifted = 9,
 }
 
 impl Free {
     fn count(self) -> usize {
-        match self {
-            Self::Parallel => 6,
-            Self::Perspective => 7,
-            Self::Shifted => 9,
-        }
+        self as usize
     }
 }
 

@@ -46,9 +46,12 @@ pub(crate) fn settle(
         return SettledAxes::new(writer.reversed, writer.to_string());
     }
     let curl = Curl::of(normal, mask);
-    let outlines = Silhouettes::of(normal, mask, None).reversed(None);
+    let [x, y] = Silhouettes::of(normal, mask, None).reversed(None);
     let why = curl.reason();
-    let by_outlines = both(outlines).filter(|axes| curl.allows(*axes));
+    let by_outlines = x
+        .zip(y)
+        .map(<[bool; 2]>::from)
+        .filter(|axes| curl.allows(*axes));
     if let Some(axes) = by_outlines {
         return shown(axes, format!("{why}; at outlines"), writer);
     }
@@ -115,10 +118,4 @@ fn shown(axes: [bool; 2], at: String, writer: Option<&MapWriter>) -> SettledAxes
 
 fn named([x, y]: [bool; 2]) -> Flip {
     Flip { x, y, z: false }
-}
-
-/// Both, where both are known.
-fn both(axes: [Option<bool>; 2]) -> Option<[bool; 2]> {
-    let [x, y] = axes;
-    Some([x?, y?])
 }

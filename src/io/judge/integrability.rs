@@ -41,14 +41,14 @@ impl Curl {
     pub(crate) fn of(normal: &Vector3Planes, mask: &Mask) -> Self {
         let side = least_side(mask);
         let finest = Self::finest(normal, mask);
-        let coarser = [2, 4].map(|factor| move || Self::of_blocks(normal, mask, factor * side));
         let shows = |curl: &Self| curl.is_flat() || curl.y_points_down().is_some();
+        let mut coarser = [2, 4]
+            .into_iter()
+            .map(|factor| Self::of_blocks(normal, mask, factor * side));
         match shows(&finest) {
             true => finest,
             false => coarser
-                .iter()
-                .map(|curl| curl())
-                .find(|curl| !curl.is_flat() && shows(curl))
+                .find(|curl| curl.y_points_down().is_some())
                 .unwrap_or(finest),
         }
     }

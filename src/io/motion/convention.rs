@@ -4,15 +4,6 @@ use crate::frame::Window;
 use std::fmt;
 use std::str::FromStr;
 
-/// Which way motion leads in time, as far as its sign tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Lead {
-    /// Where the surface was, from where it is: previous minus current.
-    Back,
-    /// The other way: current minus previous, or next minus current where it moves evenly.
-    Ahead,
-}
-
 /// The unit of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MotionUnit {
@@ -89,8 +80,8 @@ impl MotionUnit {
 /// How two channels hold motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct MotionConvention {
-    /// Which way it leads in time.
-    lead: Lead,
+    /// Whether it leads on from the frame before, instead of back to it.
+    leads_ahead: bool,
     /// Whether y points up.
     y_is_up: bool,
     unit: MotionUnit,
@@ -99,7 +90,7 @@ pub(crate) struct MotionConvention {
 impl MotionConvention {
     /// Where the surface was, from where it is, in pixels, y up: of Blender's `Vector` and Nuke's `backward`.
     pub(super) const BACK: Self = Self {
-        lead: Lead::Back,
+        leads_ahead: false,
         y_is_up: true,
         unit: MotionUnit::Pixels,
     };
@@ -108,8 +99,8 @@ impl MotionConvention {
     pub(super) fn all() -> impl Iterator<Item = Self> {
         MotionUnit::ALL.into_iter().flat_map(|unit| {
             [true, false].into_iter().flat_map(move |y_is_up| {
-                [Lead::Back, Lead::Ahead].map(|lead| Self {
-                    lead,
+                [false, true].map(|leads_ahead| Self {
+                    leads_ahead,
                     y_is_up,
                     unit,
                 })
@@ -120,10 +111,7 @@ impl MotionConvention {
     /// The way back to the frame before, in pixels, y up, that `stored` means in a picture shown in `display`.
     pub(super) fn back(self, stored: [f32; 2], display: Window) -> [f32; 2] {
         let (rest, pixels) = (self.unit.rest(), self.unit.pixels(display));
-        let sign = match self.lead {
-            Lead::Back => 1.0,
-            Lead::Ahead => -1.0,
-        };
+        let sign = if self.leads_ahead { -1.0 } else { 1.0 };
         let up = if self.y_is_up { sign } else { -sign };
         [
             sign * pixels[0] * (stored[0] - rest),
@@ -135,10 +123,7 @@ impl MotionConvention {
 impl MotionConvention {
     /// The value of `--motion-convention` that is read as this.
     pub(super) fn flag(self) -> String {
-        let lead = match self.lead {
-            Lead::Back => "back",
-            Lead::Ahead => "forward",
-        };
+        let lead = ["back", "forward"][usize::from(self.leads_ahead)];
         let y = if self.y_is_up { "up" } else { "down" };
         format!("{lead},{y},{}", self.unit.name())
     }
@@ -152,8 +137,8 @@ impl FromStr for MotionConvention {
         let mut convention = Self::BACK;
         for word in text.split(',').map(str::trim) {
             match word {
-                "back" => convention.lead = Lead::Back,
-                "forward" => convention.lead = Lead::Ahead,
+                "back" => convention.leads_ahead = false,
+                "forward" => convention.leads_ahead = true,
                 "up" => convention.y_is_up = true,
                 "down" => convention.y_is_up = false,
                 "world" => {
@@ -177,12 +162,9 @@ impl FromStr for MotionConvention {
 
 impl fmt::Display for MotionConvention {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lead = match self.lead {
-            Lead::Back => "to the frame before",
-            Lead::Ahead => "on from the frame before",
-        };
+        let lead = if self.leads_ahead { "on from" } else { "to" };
         let y = if self.y_is_up { "y up" } else { "y down" };
-        write!(f, "{lead}, {}, {y}", self.unit.words())
+        write!(f, "{lead} the frame before, {}, {y}", self.unit.words())
     }
 }
 
@@ -194,34 +176,24 @@ mod tests {
     fn conventions_mean_pixels_back_and_up() {
         // A surface that came 8 px from the left and 6 px from below, in a picture of 400 x 200: back is (-8, -6), y up.
         let display = Window::from_size(400, 200);
-        for (lead, y_is_up, unit, stored) in [
-            (Lead::Back, true, MotionUnit::Pixels, [-8.0, -6.0]),
-            (Lead::Ahead, false, MotionUnit::Pixels, [8.0, -6.0]),
-            (
-                Lead::Ahead,
-                true,
-                MotionUnit::PixelsOfHalfAFrame,
-                [4.0, 3.0],
-            ),
-            (Lead::Back, true, MotionUnit::Pictures, [-0.02, -0.03]),
-            (Lead::Back, false, MotionUnit::HalfPictures, [-0.04, 0.06]),
+        for (leads_ahead, y_is_up, unit, stored) in [
+            (false, true, MotionUnit::Pixels, [-8.0, -6.0]),
+            (true, false, MotionUnit::Pixels, [8.0, -6.0]),
+            (true, true, MotionUnit::PixelsOfHalfAFrame, [4.0, 3.0]),
+            (false, true, MotionUnit::Pictures, [-0.02, -0.03]),
+            (false, false, MotionUnit::HalfPictures, [-0.04, 0.06]),
             // -0.04 and -0.06 of -1..1 are 0.48 and 0.47 of 0..1.
-            (
-                Lead::Back,
-                true,
-                MotionUnit::EncodedHalfPictures,
-                [0.48, 0.47],
-            ),
+            (false, true, MotionUnit::EncodedHalfPictures, [0.48, 0.47]),
             // 8 and 6 of 2048, halved, beside 0.5.
             (
-                Lead::Ahead,
+                true,
                 true,
                 MotionUnit::Encoded2048,
                 [0.501_953_1, 0.501_464_8],
             ),
         ] {
             let convention = MotionConvention {
-                lead,
+                leads_ahead,
                 y_is_up,
                 unit,
             };
