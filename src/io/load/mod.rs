@@ -30,8 +30,7 @@ use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::{depth_of_positions, depth_rounding};
 use crate::frame::normals;
 use crate::frame::{
-    Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
-    strength_of,
+    DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog, strength_of,
 };
 use crate::io::colorspace::{Chromaticities, ColorSpace, luminance_weights};
 use crate::io::exr::ExrFile;
@@ -221,7 +220,11 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     if is_whole && made.is_none() && !sources.roles[0].holds_codes() {
         notes.on_noise(&normal, &mask);
     }
-    let objects = source.numbered(&mask, needs, &mut notes);
+    let numbered = || objects::numbered(&source.objects, &mask, data_window);
+    let objects = needs
+        .objects
+        .then(numbered)
+        .and_then(|found| notes.objects(found));
     // Pictures take the memory of positions, which nothing reads from here on.
     layers.position = None;
     let color = layers.color.map(RolePlanes::into_color);
@@ -411,7 +414,17 @@ impl FrameSource<'_> {
         } = coverage::cover(&mut normal, depth, alpha, covered);
         notes.on_coverage(&mask);
         notes.on_filled(filled, &mask);
-        let view = self.turn_to_view(needs, &mut normal, (&mask, layers), notes)?;
+        let surface = self.surface(&mask, layers, layers.depth.as_ref());
+        let projection = needs.projection || self.positions_for_depth(layers).is_some();
+        let source = &self.sources.roles[0];
+        let view = turn_to_view(
+            self.inputs,
+            &surface,
+            projection,
+            source,
+            &mut normal,
+            notes,
+        )?;
         let depth_is_half = self.depth_is_half(layers);
         let beside = (
             layers.depth.as_ref(),
@@ -424,7 +437,10 @@ impl FrameSource<'_> {
             }
             _ => None,
         });
-        if let Some(depth) = self.depth_of_positions(layers, view.camera.as_ref(), &mut mask) {
+        let placed = self.positions_for_depth(layers).zip(view.camera.as_ref());
+        if let Some((positions, camera)) = placed {
+            let mut depth = depth_of_positions(positions, camera);
+            coverage::narrow_to(&mut mask, &mut depth);
             layers.depth = Some(depth);
         }
         Ok(SeenSurface {
@@ -436,14 +452,6 @@ impl FrameSource<'_> {
             view,
             made: None,
         })
-    }
-
-    /// The objects, if they are needed and told apart.
-    fn numbered(&self, mask: &Mask, needs: Needs, notes: &mut Notes) -> Option<Plane> {
-        let found = needs
-            .objects
-            .then(|| objects::numbered(&self.objects, mask, self.data_window));
-        notes.objects(found?)
     }
 
     /// Strength of the effect, 0..1: the share of the chosen objects times the mask.
@@ -480,32 +488,6 @@ impl FrameSource<'_> {
     pub(crate) fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
         layers.position.as_ref().filter(|_| is_wanted)
-    }
-
-    /// Depth of positions, where they replace it; pixels without depth are removed from `mask`.
-    fn depth_of_positions(
-        &self,
-        layers: &Layers,
-        camera: Option<&Camera>,
-        mask: &mut Mask,
-    ) -> Option<Plane> {
-        let mut depth = depth_of_positions(self.positions_for_depth(layers)?, camera?);
-        coverage::narrow_to(mask, &mut depth);
-        Some(depth)
-    }
-
-    /// Turns unit normals to view space, in place; depth from positions needs the camera too.
-    fn turn_to_view(
-        &self,
-        needs: Needs,
-        normal: &mut Vector3Planes,
-        (mask, layers): (&Mask, &Layers),
-        notes: &mut Notes,
-    ) -> Result<View> {
-        let surface = self.surface(mask, layers, layers.depth.as_ref());
-        let projection = needs.projection || self.positions_for_depth(layers).is_some();
-        let source = &self.sources.roles[0];
-        turn_to_view(self.inputs, &surface, projection, source, normal, notes)
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.
