@@ -111,11 +111,8 @@ impl Model {
     pub(super) fn facing_plane(&self, axes: &Matrix3<f64>) -> Self {
         // Depth along the plane changes sign with the convergence; the third axis follows from the two.
         let turned = self.rotation.matrix() * axes;
-        let flip = |i: usize| {
-            turned
-                .column(i)
-                .component_mul(&Vector3::new(1.0, 1.0, -1.0))
-        };
+        let mirror = Vector3::new(1.0, 1.0, -1.0);
+        let flip = |i: usize| turned.column(i).component_mul(&mirror);
         let (a, b) = (flip(0), flip(1));
         let view_from_axes = Matrix3::from_columns(&[a, b, a.cross(&b)]);
         Self {
@@ -188,10 +185,8 @@ impl Model {
 
     /// Sum of Huber losses; infinite where a sample falls behind the eye.
     fn loss(&self, samples: &[Sample], threshold: f64) -> f64 {
-        samples
-            .iter()
-            .map(|s| huber(self.error(s), threshold))
-            .sum()
+        let losses = samples.iter().map(|s| huber(self.error(s), threshold));
+        losses.sum()
     }
 
     /// The residual of a sample, and its derivatives.
@@ -265,16 +260,15 @@ impl Model {
     }
 
     /// The polished model: alternates trimming and descent, re-estimating the noise each time.
-    pub(super) fn polished(self, samples: &[Sample], free: Free, rounds: usize) -> Self {
-        let mut model = self;
+    pub(super) fn polished(mut self, samples: &[Sample], free: Free, rounds: usize) -> Self {
         for _ in 0..rounds {
-            let (sigma, kept) = model.trimmed(samples);
+            let (sigma, kept) = self.trimmed(samples);
             if kept.len() < free.count() {
-                return model;
+                break;
             }
-            model = model.descend(&kept, HUBER * sigma, free, 12);
+            self = self.descend(&kept, HUBER * sigma, free, 12);
         }
-        model
+        self
     }
 
     /// Noise per coordinate in pixel widths, and the samples within three times it.
@@ -299,10 +293,8 @@ impl Model {
             covariance.row_mut(i).fill(0.0);
             covariance.column_mut(i).fill(0.0);
         }
-        covariance
-            .iter()
-            .all(|e| e.is_finite())
-            .then_some(covariance)
+        let is_finite = covariance.iter().all(|e| e.is_finite());
+        is_finite.then_some(covariance)
     }
 }
 

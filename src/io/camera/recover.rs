@@ -226,11 +226,8 @@ impl Fit {
             return Some(whole(centred));
         }
         let shifted = best(Free::Shifted)?;
-        Some(whole(if shifted.shift_is_real(centred.sigma, half) {
-            shifted
-        } else {
-            centred
-        }))
+        let is_shifted = shifted.shift_is_real(centred.sigma, half);
+        Some(whole(if is_shifted { shifted } else { centred }))
     }
 
     /// Whether a lens shift explains the residual of the centred camera.
@@ -308,11 +305,8 @@ impl Fit {
             principal: nalgebra::Vector2::zeros(),
             ..self.model
         };
-        Self::new(
-            parallel.polished(samples, Free::Parallel, 4),
-            samples,
-            Free::Parallel,
-        )
+        let parallel = parallel.polished(samples, Free::Parallel, 4);
+        Self::new(parallel, samples, Free::Parallel)
     }
 
     /// Whether the samples deviate from a plane by no more than their noise.
@@ -333,7 +327,9 @@ impl Fit {
         // Exact data are not certain without end: their model of the lens is not exact.
         let covariance = self.covariance(self.sigma.max(0.02));
         let rotation_deg = covariance.map_or(90.0, |c| {
-            rotation_error_deg(&c.fixed_view::<3, 3>(0, 0).into_owned())
+            let of_rotation = c.fixed_view::<3, 3>(0, 0).into_owned();
+            let most = of_rotation.symmetric_eigenvalues().max();
+            most.max(0.0).sqrt().to_degrees()
         });
         if rotation_deg > WORST_ROTATION_DEG {
             return Err(if flat {
@@ -370,7 +366,8 @@ impl Fit {
         let are_parallel = self.free == Free::Parallel;
         let (scale, distance) = match are_parallel {
             true => {
-                let nearest = list_max(&self.kept, |s| (model.rotation * s.point).z);
+                let depths = self.kept.iter().map(|s| (model.rotation * s.point).z);
+                let nearest = depths.fold(f64::NEG_INFINITY, f64::max);
                 (per_unit, samples.spread * (nearest + 1.0))
             }
             false => {
@@ -387,28 +384,12 @@ impl Fit {
             offset.y - turned.y,
             -distance - turned.z,
         );
+        let turn = dmat3(model.rotation.matrix());
         Camera {
-            view_from_world: DAffine3::from_mat3_translation(
-                dmat3(model.rotation.matrix()),
-                translation,
-            ),
+            view_from_world: DAffine3::from_mat3_translation(turn, translation),
             projection: Projection::new(are_parallel, [scale, scale * grid.aspect], axis),
         }
     }
-}
-
-fn list_max(samples: &[Sample], f: impl Fn(&Sample) -> f64) -> f64 {
-    samples.iter().map(f).fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// One standard error of the turn about the least certain axis.
-fn rotation_error_deg(covariance: &Matrix3<f64>) -> f64 {
-    covariance
-        .symmetric_eigenvalues()
-        .max()
-        .max(0.0)
-        .sqrt()
-        .to_degrees()
 }
 
 /// Models ordered by the share of samples they leave unexplained, best first.

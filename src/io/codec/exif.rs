@@ -27,11 +27,11 @@ pub(crate) struct Exif {
 pub(crate) const SOUND_DPI: RangeInclusive<f32> = 1.0..=10_000.0;
 
 /// Tags of the first directory.
-const DESCRIPTION: u16 = 0x010e;
+pub(crate) const DESCRIPTION: u16 = 0x010e;
 const ORIENTATION: u16 = 0x0112;
 const RESOLUTIONS: [u16; 2] = [0x011a, 0x011b];
 const RESOLUTION_UNIT: u16 = 0x0128;
-const SOFTWARE: u16 = 0x0131;
+pub(crate) const SOFTWARE: u16 = 0x0131;
 
 /// Kinds of values.
 const TEXT: u16 = 2;
@@ -146,14 +146,6 @@ impl Exif {
         self.set_short(RESOLUTION_UNIT, INCH);
     }
 
-    pub(crate) fn set_software(&mut self, text: &str) {
-        self.set_text(SOFTWARE, text);
-    }
-
-    pub(crate) fn set_description(&mut self, text: &str) {
-        self.set_text(DESCRIPTION, text);
-    }
-
     /// The block with the new values. Its thumbnail is dropped, since it shows the unprocessed picture.
     pub(crate) fn into_bytes(mut self) -> Vec<u8> {
         self.entries.sort_by_key(|entry| entry.tag);
@@ -207,7 +199,7 @@ impl Exif {
         Some(self.long(&value[..4]) as f32 / self.long(&value[4..]) as f32)
     }
 
-    fn set_text(&mut self, tag: u16, text: &str) {
+    pub(crate) fn set_text(&mut self, tag: u16, text: &str) {
         let text = [text.as_bytes(), &[0]].concat();
         self.set(tag, TEXT, text.len() as u32, &text);
     }
@@ -299,8 +291,8 @@ mod tests {
         assert_eq!((exif.dpi(), exif.description()), (None, None));
         exif.set_upright();
         exif.set_dpi(Some([72.5, 300.0]));
-        exif.set_software("program 1");
-        exif.set_description("a = 1\nb = 2");
+        exif.set_text(SOFTWARE, "program 1");
+        exif.set_text(DESCRIPTION, "a = 1\nb = 2");
         let written = exif.into_bytes();
         assert_eq!(written[8..block.len()], block[8..]);
         let read = Exif::read(&written).unwrap();
@@ -320,7 +312,7 @@ mod tests {
     fn what_is_no_block_or_ends_too_early_says_nothing() {
         let mut exif = Exif::default();
         exif.set_dpi(Some([300.0; 2]));
-        exif.set_description("long enough to lie elsewhere");
+        exif.set_text(DESCRIPTION, "long enough to lie elsewhere");
         let whole = exif.into_bytes();
         for end in 0..whole.len() {
             let exif = Exif::read(&whole[..end]);
@@ -383,7 +375,7 @@ mod tests {
         }
         let most = block(&vec![entry; usize::from(MOST_ENTRIES)], [0; 8]);
         let mut exif = Exif::read(&most).unwrap();
-        exif.set_software("x");
+        exif.set_text(SOFTWARE, "x");
         let written = exif.into_bytes();
         // The place of the new directory, and its 1000 and one more entries.
         let at = u32::from_le_bytes(written[4..8].try_into().unwrap()) as usize;

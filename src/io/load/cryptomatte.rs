@@ -5,7 +5,7 @@
 //! name as the bits of a float; the manifest, in the header or in a file beside the picture, says which name has which.
 
 use crate::error::{Error, Result};
-use crate::frame::{Plane, Window};
+use crate::frame::Plane;
 use crate::io::exr::{ChannelId, ExrFile};
 use crate::io::open::read_text;
 use serde::{Deserialize, Deserializer};
@@ -212,11 +212,6 @@ impl Cryptomatte {
     /// Whether a layer called `name` is one of those that hold its samples.
     pub(crate) fn holds(&self, name: &str) -> bool {
         place(&format!("{name}.r"), &self.layer).is_some()
-    }
-
-    /// The pixels that its channels hold.
-    pub(crate) fn window(&self, file: &ExrFile) -> Window {
-        file.parts[self.ranks[0][0].part].window
     }
 
     /// All of its channels.

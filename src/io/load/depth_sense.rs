@@ -228,8 +228,9 @@ impl Judged<'_> {
         let as_is = way_of(as_is).filter(|_| !is_reversed(off(as_is), off(y)));
         let leaning = "the normals lean toward what is far";
         let both = |way: Way| {
-            self.shows_both_reversed(way)
-                .then_some((way, POINT_OUTWARD))
+            // As stored, they lean as beside depth that goes the other way.
+            let agree = self.outlines().agree(way == Way::Away, [true, true]);
+            (agree == Some(true)).then_some((way, POINT_OUTWARD))
         };
         let other = implied.filter(|implied| as_is.is_some_and(|way| way != *implied));
         let mut view = other.and_then(both).or(as_is.map(|way| (way, leaning)));
@@ -291,12 +292,6 @@ impl Judged<'_> {
             (None, Some(_)) => Some((x?, POINT_OUTWARD)),
             _ => Some((y.or(x)?, leaning)),
         }
-    }
-
-    /// Whether outlines show x and y of the normals reversed beside depth that goes this way. As stored, they lean as
-    /// beside depth that goes the other way.
-    fn shows_both_reversed(&self, way: Way) -> bool {
-        self.outlines().agree(way == Way::Away, [true, true]) == Some(true)
     }
 
     fn outlines(&self) -> Silhouettes {

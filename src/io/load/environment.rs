@@ -101,7 +101,8 @@ pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<Lit
         });
     }
     let sphere = LitSphere::new(lights.read(MAP_PER_PIXEL)?);
-    Ok(match lights.are_float() {
+    let photo = lights.file.photo();
+    Ok(match photo.is_none_or(|photo| photo.header.is_float) {
         true => sphere.scene_linear(),
         false => sphere,
     })
@@ -148,12 +149,6 @@ impl Lights {
         })
     }
 
-    /// Whether its numbers are floating-point.
-    fn are_float(&self) -> bool {
-        let photo = self.file.photo();
-        photo.is_none_or(|photo| photo.header.is_float)
-    }
-
     /// The colours in the display window, reduced if they would exceed the limit at `per_pixel` bytes each.
     fn read(&self, per_pixel: u64) -> Result<ColorPlanes> {
         let pixels = self.shown.width() as u64 * self.shown.height() as u64;
@@ -161,7 +156,7 @@ impl Lights {
         let stored = photo.map_or(0, |photo| photo.header.bytes());
         let bytes = pixels.saturating_mul(per_pixel).saturating_add(stored);
         if bytes <= self.most_bytes {
-            return self.whole();
+            return self.sum(read_all(&self.sources)?, self.shown);
         }
         let most = (self.most_bytes / per_pixel.max(1)).max(1);
         let factor = (1..).find(|f: &u64| pixels / (f * f) <= most);
@@ -180,10 +175,6 @@ impl Lights {
             None => self.add_strips(&mut reduced)?,
         }
         Ok(reduced.done())
-    }
-
-    fn whole(&self) -> Result<ColorPlanes> {
-        self.sum(read_all(&self.sources)?, self.shown)
     }
 
     /// Adds an EXR's colour, a few rows at a time.

@@ -8,6 +8,7 @@ use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::sources::{RoleSource, missing, read_all, read_rows};
 use crate::error::{Error, Result};
+use crate::frame::coverage::shares;
 use crate::frame::{Plane, Vector3Planes, Window};
 use crate::io::colorspace::ColorSpace;
 use crate::io::inputs::{Inputs, NONE, Needs, StoredDepth};
@@ -286,7 +287,7 @@ impl Planes {
             return (None, None);
         };
         let replaced = read.sanitise();
-        let alpha = read.take_coverage();
+        let alpha = read.alpha.take().map(shares);
         if replaced > 0 {
             self.warnings.push(format!(
                 "{replaced} colour samples were not finite: NaN became 0, infinity 65504"

@@ -73,7 +73,9 @@ impl FrameSource<'_> {
             Precision::Half if bits.is_empty() => " (as coarse as half floats)".into(),
             _ => bits,
         };
-        notes.on_no_normals(from, &bits);
+        notes.warnings.push(format!(
+            "normals from {from}{bits}: no layer holds any; --normal names one"
+        ));
         let mut normal = shown.normal;
         let stored_depth = Some((depth, Some(shown.stored)));
         let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());

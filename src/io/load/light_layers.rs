@@ -141,9 +141,10 @@ impl LightSources {
     }
 
     fn add(&mut self, as_what: Use, source: Option<RoleSource>) {
-        if let Some(source) = source {
+        if let Some(mut source) = source {
+            source.leave_alpha();
             self.uses.push(as_what);
-            self.sources.push(source.without_alpha());
+            self.sources.push(source);
         }
     }
 

@@ -125,13 +125,6 @@ impl Notes {
         }
     }
 
-    /// Says what normals are made from.
-    pub(crate) fn on_no_normals(&mut self, from: &str, precision: &str) {
-        let told =
-            format!("normals from {from}{precision}: no layer holds any; --normal names one");
-        self.warnings.push(told);
-    }
-
     /// Reports the number of filled depth samples.
     pub(crate) fn on_filled(&mut self, filled: usize, mask: &Mask) {
         let share = 100.0 * filled as f64 / mask.count().max(1) as f64;

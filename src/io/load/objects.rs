@@ -71,7 +71,8 @@ pub(crate) fn surveyed(file: &ExrFile) -> Result<Vec<ObjectSurvey>> {
 
 /// The numbers of the largest objects of a layer and their shares; none where its samples are damaged.
 fn largest(file: &ExrFile, layer: &Cryptomatte) -> Vec<(u32, f64)> {
-    let (channels, window) = (layer.channels(), layer.window(file));
+    let channels = layer.channels();
+    let window = file.parts[channels[0].part].window;
     let row = size_of::<f32>() * channels.len() * window.width();
     let rows = (MOST_SURVEYED / row.max(1)).clamp(1, window.height().max(1));
     let first = (window.height().saturating_sub(rows)) / 2;
@@ -80,10 +81,8 @@ fn largest(file: &ExrFile, layer: &Cryptomatte) -> Vec<(u32, f64)> {
         return Vec::new();
     }
     let planes = file.read_rows(&channels, first..last);
-    planes.map_or_else(
-        |_| Vec::new(),
-        |planes| cryptomatte::largest(&planes, LISTED),
-    )
+    let largest = planes.map(|planes| cryptomatte::largest(&planes, LISTED));
+    largest.unwrap_or_default()
 }
 
 /// Refuses a layer for a mask that holds the numbers of objects.
@@ -210,8 +209,7 @@ pub(crate) fn numbered(
         return Ok(None);
     };
     for (rank, name, channel) in passes(of, file)? {
-        let stored = file.parts[channel.part].window;
-        let (planes, own) = read(file, &[channel], stored, window)?;
+        let (planes, own) = read(file, &[channel], window)?;
         let mut numbers = planes[0].moved(own, window, 0.0);
         if let INDEX_OF_OBJECTS | INDEX_OF_MATERIALS = rank {
             // Lossy compression alters them a little.
@@ -361,12 +359,11 @@ fn summed(
                 remedy: "render Cryptomatte with ZIP compression".into(),
             });
         }
-        let (planes, own) = read(file, &layer.channels(), layer.window(file), window)?;
+        let (planes, own) = read(file, &layer.channels(), window)?;
         take(&coverage(&planes, &numbers), own);
     }
     for (channel, number) in &found.indices {
-        let stored = file.parts[channel.part].window;
-        let (planes, own) = read(file, &[*channel], stored, window)?;
+        let (planes, own) = read(file, &[*channel], window)?;
         let is_it = |stored: f32| f32::from((stored - number).abs() < 0.5);
         take(&planes[0].map(is_it), own);
     }
@@ -374,12 +371,8 @@ fn summed(
 }
 
 /// Channels of a part that holds `stored`, as far as it has the rows of `window`, and the window that they hold.
-fn read(
-    file: &ExrFile,
-    channels: &[ChannelId],
-    stored: Window,
-    window: Window,
-) -> Result<(Vec<Plane>, Window)> {
+fn read(file: &ExrFile, channels: &[ChannelId], window: Window) -> Result<(Vec<Plane>, Window)> {
+    let stored = file.parts[channels[0].part].window;
     let y0 = window.y0.clamp(stored.y0, stored.y1);
     let y1 = window.y1.clamp(y0, stored.y1);
     let row = |y: i32| (y - stored.y0) as usize;

@@ -7,7 +7,7 @@ use crate::io::inputs::Inputs;
 use crate::io::judge::map_codes::MapCodes;
 use crate::io::judge::normal_encoding::holds_normals;
 use crate::io::judge::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
-use crate::io::open::open_input;
+use crate::io::open::open_buffered;
 use crate::io::photo::{PhotoHeader, StoredPhoto, is_inside};
 use crate::io::roles::groups::{self, Groups};
 use crate::io::roles::nearest;
@@ -17,6 +17,7 @@ use crate::untrusted::listed;
 use image::DynamicImage;
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
@@ -350,21 +351,12 @@ fn layer_label(layer: &Layer) -> String {
     if !layer.name.is_empty() {
         return layer.name.clone();
     }
-    layer
-        .components
-        .iter()
-        .map(|(c, _)| c.to_ascii_uppercase())
-        .collect::<Vec<_>>()
-        .join("")
+    let components = layer.components.iter();
+    components.map(|(c, _)| c.to_ascii_uppercase()).collect()
 }
 
 fn has_exr_magic(path: &Path) -> Result<bool> {
-    use std::io::Read;
-    let mut file = open_input(path).map_err(Error::io(path, "read"))?;
-    let mut first = [0; 4];
-    match file.read_exact(&mut first) {
-        Ok(()) => Ok(first == exr::MAGIC),
-        Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
-        Err(e) => Err(Error::io(path, "read")(e)),
-    }
+    let mut file = open_buffered(path)?;
+    let start = file.fill_buf().map_err(Error::io(path, "read"))?;
+    Ok(start.starts_with(&exr::MAGIC))
 }

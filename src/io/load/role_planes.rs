@@ -1,6 +1,6 @@
 //! The planes of one role as they were read.
 
-use crate::frame::coverage::{sanitise, shares};
+use crate::frame::coverage::sanitise;
 use crate::frame::normals::is_written;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use crate::io::judge::borders::Borders;
@@ -109,11 +109,6 @@ impl RolePlanes {
     /// A picture; one plane makes a grey one.
     pub(crate) fn into_color(self) -> ColorPlanes {
         ColorPlanes::of(self.planes)
-    }
-
-    /// Takes out the coverage of a picture, 0..1.
-    pub(crate) fn take_coverage(&mut self) -> Option<Plane> {
-        self.alpha.take().map(shares)
     }
 
     /// Replaces non-finite samples; returns their number.

@@ -213,12 +213,6 @@ impl RoleSource {
                 .is_some_and(|(encoding, _)| encoding.is_pair())
     }
 
-    /// The same without its coverage.
-    pub(crate) fn without_alpha(mut self) -> Self {
-        self.leave_alpha();
-        self
-    }
-
     /// Leaves its coverage unread.
     pub(crate) fn leave_alpha(&mut self) {
         if let Some(layer) = &mut self.layer {

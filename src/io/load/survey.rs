@@ -5,7 +5,7 @@ use super::objects::{self, ObjectSurvey};
 use super::opened::{Kind, Opened, layers_of};
 use crate::error::Result;
 use crate::frame::Window;
-use crate::io::exr::{ExrFile, SampleType};
+use crate::io::exr::{ExrFile, Part, SampleType};
 use crate::io::inputs::Inputs;
 use crate::io::judge::numbers::NUMBERED;
 use crate::io::photo::StoredPhoto;
@@ -142,32 +142,26 @@ fn role_surveys(opened: &Opened, file: &ExrFile) -> Vec<RoleSurvey> {
 }
 
 fn part_surveys(file: &ExrFile) -> Vec<PartSurvey> {
-    let all = layers_of(file);
-    let parts = 0..file.parts.len();
-    parts.map(|part| part_survey(file, &all, part)).collect()
-}
-
-fn part_survey(file: &ExrFile, layers: &[roles::Layer], index: usize) -> PartSurvey {
-    let part = &file.parts[index];
-    // They are in the order of their parts.
-    let first = layers.partition_point(|layer| layer.part < index);
-    let of_part = layers[first..].iter().take_while(|l| l.part == index);
-    PartSurvey {
+    let survey = |part: &Part| PartSurvey {
         name: part.name.clone(),
         data_window: part.window,
         compression: part.compression.clone(),
-        layers: of_part
-            .map(|layer| LayerSurvey {
-                name: layer.name.clone(),
-                components: layer.components.iter().map(|(c, _)| c.clone()).collect(),
-                sample_type: match part.channels[layer.components[0].1].sample_type {
-                    SampleType::Half => "half",
-                    SampleType::Float => "float",
-                    SampleType::Uint => "uint",
-                },
-            })
-            .collect(),
+        layers: Vec::new(),
+    };
+    let mut parts: Vec<_> = file.parts.iter().map(survey).collect();
+    for layer in layers_of(file) {
+        let first = file.parts[layer.part].channels[layer.components[0].1].sample_type;
+        parts[layer.part].layers.push(LayerSurvey {
+            name: layer.name,
+            components: layer.components.into_iter().map(|(c, _)| c).collect(),
+            sample_type: match first {
+                SampleType::Half => "half",
+                SampleType::Float => "float",
+                SampleType::Uint => "uint",
+            },
+        });
     }
+    parts
 }
 
 /// A photo, and its colour.

@@ -104,7 +104,7 @@ impl<'a> MadePicture<'a> {
     pub(crate) fn printed(self) -> Self {
         match self.form {
             Form::Shown { bits: 1, .. } => Self {
-                color: Cow::Owned(without_grey(&self.color)),
+                color: Cow::Owned(ColorPlanes::grey(bilevel(&self.color.r))),
                 ..self
             },
             _ => self,
@@ -247,10 +247,4 @@ impl Params {
             highlights,
         }
     }
-}
-
-/// Ink that is there or not.
-fn without_grey(color: &ColorPlanes) -> ColorPlanes {
-    let light = bilevel(&color.r);
-    ColorPlanes::grey(light)
 }

@@ -164,16 +164,6 @@ fn check_window(part: &Attributes, name: &str) -> Parsed<()> {
     Ok(())
 }
 
-/// A half-open window from inclusive corners that have been checked.
-fn window_of_corners([x0, y0, x1, y1]: [i32; 4]) -> Window {
-    Window {
-        x0,
-        y0,
-        x1: x1 + 1,
-        y1: y1 + 1,
-    }
-}
-
 fn check_pixel_aspect(part: &Attributes) -> Parsed<()> {
     let aspect = pixel_aspect(part);
     match crate::frame::PIXEL_ASPECTS.contains(&aspect) {
@@ -193,7 +183,9 @@ pub(super) fn pixel_aspect(part: &Attributes) -> f32 {
 
 /// The display window of a part that has been checked.
 pub(super) fn display_window(part: &Attributes) -> Option<Window> {
-    part.corners("displayWindow").map(window_of_corners)
+    let [x0, y0, x1, y1] = part.corners("displayWindow")?;
+    let (x1, y1) = (x1 + 1, y1 + 1);
+    Some(Window { x0, y0, x1, y1 })
 }
 
 /// The header of a whole file: magic number, version field, all parts.

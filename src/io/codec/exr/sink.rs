@@ -1,6 +1,6 @@
 //! Writing of chunks and their offset tables.
 
-use super::attributes::Attributes;
+use super::attributes::{Attributes, MAX_SHORT_NAME};
 use super::header::{LONG_NAMES, MULTI_PART, header_bytes};
 use super::write::ReadyPart;
 use crate::error::{Error, Result};
@@ -30,10 +30,10 @@ impl<'w, W: Write + Seek> ChunkSink<'w, W> {
         (parts, ready): (&[Attributes], &ReadyPart),
         counts: &[usize],
     ) -> Result<Self> {
-        let flags = match parts.iter().any(Attributes::has_long_names) {
-            true => flags | LONG_NAMES,
-            false => flags | ready.long_names(),
-        };
+        let mut channels = ready.header.channels.list.iter();
+        let are_long = parts.iter().any(Attributes::has_long_names)
+            || channels.any(|channel| channel.name.as_slice().len() > MAX_SHORT_NAME);
+        let flags = if are_long { flags | LONG_NAMES } else { flags };
         let header = header_bytes(flags, parts);
         let tables: Vec<Vec<u64>> = counts.iter().map(|&n| vec![0; n]).collect();
         let tables_at = header.len() as u64;

@@ -1,9 +1,9 @@
 //! Parts to be written, and their headers.
 
 use super::OutputCompression;
-use super::attributes::{Attributes, MAX_NAME, MAX_SHORT_NAME};
+use super::attributes::{Attributes, MAX_NAME};
 use super::fault::Fault;
-use super::header::{LONG_NAMES, VERSION, typed};
+use super::header::{VERSION, typed};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
 use crate::io::text::is_one_of;
@@ -136,16 +136,6 @@ impl ReadyPart {
             attributes,
             sources: order.iter().map(given).collect(),
         })
-    }
-
-    /// The flag that a file with this part needs if it holds long names.
-    pub(super) fn long_names(&self) -> u32 {
-        let channels = self.header.channels.list.iter();
-        let long = channels.map(|c| c.name.as_slice().len()).max() > Some(MAX_SHORT_NAME);
-        match self.attributes.has_long_names() || long {
-            true => LONG_NAMES,
-            false => 0,
-        }
     }
 }
 

@@ -1,13 +1,12 @@
 //! Metadata that a picture made from a photo keeps: colour profile, camera data, resolution.
 
 use super::decoder::with_decoder;
-use super::header::PhotoHeader;
+use super::header::{PhotoHeader, turned};
 use super::npz::is_inside;
 use crate::error::Result;
 use crate::io::codec::exif::{Exif, SOUND_DPI};
 use crate::io::open::open_buffered;
 use crate::params::MM_PER_INCH;
-use image::metadata::Orientation;
 use image::{ImageDecoder, ImageFormat};
 use std::io::Read;
 use std::path::Path;
@@ -53,15 +52,9 @@ impl PhotoMetadata {
             width: photo.width,
             profile,
             exif,
-            dpi: dpi.map(|dpi| upright(photo.orientation, dpi)),
+            dpi: dpi.map(|dpi| turned(photo.orientation, dpi.into()).into()),
         })
     }
-}
-
-/// Across and down as the photo is looked at.
-fn upright(orientation: Orientation, [across, down]: [f32; 2]) -> [f32; 2] {
-    let (across, down) = super::header::turned(orientation, (across, down));
-    [across, down]
 }
 
 /// The density in the first segment of a JPEG: after its marker and length `JFIF\0`, a version in two bytes, the unit (1

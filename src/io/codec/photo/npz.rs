@@ -113,18 +113,16 @@ fn pictures<'m>(path: &Path, members: &'m [Member]) -> Result<Vec<&'m Member>> {
 fn members(path: &Path, file: &mut (impl Read + Seek)) -> Result<Vec<Member>> {
     let none = || damaged(path, &"an archive without a directory");
     let (mark, length, comment) = END;
-    let read = |file: &mut dyn Read, count: u64| -> Result<Vec<u8>> {
+    let size = file.seek(SeekFrom::End(0));
+    let size = size.map_err(Error::io(path, "read"))?;
+    let mut read = |at: u64, count: u64| -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        let read = file.take(count).read_to_end(&mut bytes);
+        let found = file.seek(SeekFrom::Start(at));
+        let read = found.and_then(|_| file.take(count).read_to_end(&mut bytes));
         read.map_err(Error::io(path, "read")).map(|_| bytes)
     };
-    let size = file
-        .seek(SeekFrom::End(0))
-        .map_err(Error::io(path, "read"))?;
     let from = size.saturating_sub(length as u64 + comment);
-    file.seek(SeekFrom::Start(from))
-        .map_err(Error::io(path, "read"))?;
-    let tail = read(file, size - from)?;
+    let tail = read(from, size - from)?;
     let mut windows = tail.windows(length);
     let end = windows.rfind(|end| end.starts_with(mark));
     let end = end.ok_or_else(none)?;
@@ -132,9 +130,7 @@ fn members(path: &Path, file: &mut (impl Read + Seek)) -> Result<Vec<Member>> {
     if bytes > MOST_BYTES || at > size {
         return Err(none());
     }
-    file.seek(SeekFrom::Start(at))
-        .map_err(Error::io(path, "read"))?;
-    let directory = read(file, bytes)?;
+    let directory = read(at, bytes)?;
     let (mut rest, mut members) = (&directory[..], Vec::new());
     let (mark, length) = ENTRY;
     for _ in 0..count {

@@ -4,7 +4,7 @@ use super::format::ViewTransform;
 use crate::io::srgb;
 use std::sync::LazyLock;
 
-fn clipped(v: f64) -> f64 {
+pub(super) fn clipped(v: f64) -> f64 {
     if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
 }
 

@@ -1,7 +1,6 @@
 //! Encoding of a picture's file, and the metadata beside its pixels.
 
-use crate::io::codec::exif::Exif;
-use crate::io::codec::exif::SOUND_DPI;
+use crate::io::codec::exif::{DESCRIPTION, Exif, SOFTWARE, SOUND_DPI};
 use crate::io::photo::PhotoMetadata;
 use crate::params::{MM_PER_INCH, ScaleBar};
 
@@ -74,7 +73,7 @@ impl Encoding {
             let described = [exif.description(), settings.map(ascii)];
             let described: Vec<_> = described.into_iter().flatten().collect();
             if settings.is_some() {
-                exif.set_description(&described.join("\n\n"));
+                exif.set_text(DESCRIPTION, &described.join("\n\n"));
             }
             self.said(exif, dpi)
         });
@@ -95,7 +94,7 @@ impl Encoding {
         exif.set_upright();
         exif.set_dpi(dpi);
         if let Some(software) = &self.software {
-            exif.set_software(&ascii(software));
+            exif.set_text(SOFTWARE, &ascii(software));
         }
         exif.into_bytes()
     }

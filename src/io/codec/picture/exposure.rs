@@ -103,12 +103,8 @@ fn levels(pictures: [&ColorPlanes; 2], mask: &Mask, y: usize) -> [f64; 2] {
     for x in mask.runs(y).flatten() {
         let colors = pictures.map(|picture| picture.at(x, y));
         if colors.iter().flatten().all(|v| v.is_finite()) {
-            let level = |color: [f32; 3]| {
-                color
-                    .map(|v| f64::from(v.max(0.0).sqrt()))
-                    .iter()
-                    .sum::<f64>()
-            };
+            let of_channel = |v: f32| f64::from(v.max(0.0).sqrt());
+            let level = |color: [f32; 3]| color.map(of_channel).iter().sum::<f64>();
             sums = [sums[0] + level(colors[0]), sums[1] + level(colors[1])];
         }
     }

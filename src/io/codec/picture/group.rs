@@ -1,5 +1,6 @@
 //! Some pixels of a row at a time, so that the compiler computes several in one instruction.
 
+use super::codes::clipped;
 use crate::frame::Plane;
 use std::ops::Range;
 
@@ -67,11 +68,7 @@ fn put(numbers: &mut Numbers, samples: &[f32]) {
 /// that holds the colour.
 #[inline(always)]
 fn stored_alpha(color: [f64; 3], alpha: f64, least: f64) -> f64 {
-    let alpha = if alpha.is_nan() {
-        0.0
-    } else {
-        alpha.clamp(0.0, 1.0)
-    };
+    let alpha = clipped(alpha);
     let strongest = largest(color).min(1.0);
     let alpha = if alpha < least { strongest } else { alpha };
     if alpha < least { 0.0 } else { alpha }

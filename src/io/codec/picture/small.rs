@@ -23,11 +23,7 @@ pub(crate) fn small(
     };
     let [width, height] = [width, height].map(|side| side.div_ceil(step));
     let channel = |c| Plane::from_fn(width, height, |x, y| mean(x, y, c));
-    ColorPlanes {
-        r: channel(0),
-        g: channel(1),
-        b: channel(2),
-    }
+    ColorPlanes::of((0..3).map(channel).collect())
 }
 
 /// The same as a PNG.

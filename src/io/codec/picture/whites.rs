@@ -90,16 +90,12 @@ impl Whites {
 
     /// Both together.
     pub(crate) fn with(self, other: Self) -> Self {
+        let sum = |own| own + other.compressed.unwrap_or(0);
         Self {
             count: self.count + other.count,
             before: self.before + other.before,
             of: self.of + other.of,
-            compressed: self.compressed.or(other.compressed).map(|_| {
-                [self, other]
-                    .iter()
-                    .filter_map(|whites| whites.compressed)
-                    .sum()
-            }),
+            compressed: self.compressed.map(sum).or(other.compressed),
         }
     }
 }
