@@ -256,10 +256,7 @@ impl<'a> NormalSamples<'a> {
 
     /// The gradient of depth on the picture, y up, where it is clear of rounding and of edges.
     fn slope(&self, x: usize, y: usize) -> Option<DVec2> {
-        let depth = self.depth?;
-        if !self.is_inside(x, y) {
-            return None;
-        }
+        let depth = self.depth.filter(|_| self.is_inside(x, y))?;
         let seen = |x: usize, y: usize| {
             let d = f64::from(depth.at(x, y));
             (self.mask.at(x, y) && d.is_finite() && d > 0.0).then(|| d.ln())
@@ -284,11 +281,9 @@ impl<'a> NormalSamples<'a> {
 
     /// The world-space unit normal of the surface through the positions around a pixel, away from edges.
     fn shape(&self, x: usize, y: usize) -> Option<DVec3> {
-        if !self.is_inside(x, y) {
-            return None;
-        }
+        let position = self.position.filter(|_| self.is_inside(x, y))?;
         let seen = |x: usize, y: usize| {
-            let point = self.position?.at(x, y);
+            let point = position.at(x, y);
             (point.is_finite() && self.mask.at(x, y)).then_some(point)
         };
         let here = seen(x, y)?;

@@ -266,9 +266,8 @@ pub(crate) fn fallbacks(
     if angles.is_empty() {
         return Ok(None);
     }
-    let zero = || Plane::filled(window.width(), window.height(), 0.0);
-    let (x, y, z) = (zero(), zero(), zero());
-    let mut found = Vector3Planes { x, y, z };
+    let zero = Plane::filled(window.width(), window.height(), 0.0);
+    let mut found = Vector3Planes::of(vec![zero; 3]);
     for ObjectAngle { name, fallback } in angles {
         let covered = covered(std::slice::from_ref(name), of, window)?;
         let own = match fallback {

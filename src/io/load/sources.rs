@@ -92,7 +92,12 @@ impl RoleSource {
     }
 
     /// A layer of `file` for `role`; a photo has none.
-    fn of(role: Role, file: &Rc<Opened>, layer: Option<Match>, chosen: Option<Chosen>) -> Self {
+    pub(crate) fn of(
+        role: Role,
+        file: &Rc<Opened>,
+        layer: Option<Match>,
+        chosen: Option<Chosen>,
+    ) -> Self {
         Self {
             role,
             file: file.clone(),
@@ -132,12 +137,7 @@ impl RoleSource {
     /// The layer of `main` with this name, for `role`.
     pub(crate) fn layer(role: Role, name: &str, main: &Rc<Opened>) -> Option<Self> {
         let found = main.named(name, role)?;
-        Some(Self::of_match(role, main, found))
-    }
-
-    /// These channels of `file`, for `role`.
-    pub(crate) fn of_match(role: Role, file: &Rc<Opened>, found: Match) -> Self {
-        Self::of(role, file, Some(found), None)
+        Some(Self::of(role, main, Some(found), None))
     }
 
     /// Its channels; none of a photo.

@@ -53,26 +53,21 @@ impl MotionUnit {
 
     /// The name that `--motion-convention` gives it.
     fn name(self) -> &'static str {
-        match self {
-            Self::Pixels => "pixels",
-            Self::PixelsOfHalfAFrame => "half-frame",
-            Self::Pictures => "pictures",
-            Self::HalfPictures => "half-pictures",
-            Self::EncodedHalfPictures => "half-pictures-0-1",
-            Self::Encoded2048 => "2048-0-1",
-        }
+        self.words().0
     }
 
-    fn words(self) -> &'static str {
+    /// Its name, and what it is.
+    fn words(self) -> (&'static str, &'static str) {
         match self {
-            Self::Pixels => "in pixels",
-            Self::PixelsOfHalfAFrame => "in pixels over half a frame",
-            Self::Pictures => "in widths and heights of the picture",
-            Self::HalfPictures => "in half widths and heights of the picture",
-            Self::EncodedHalfPictures => {
-                "in half widths and heights of the picture, stored as 0..1"
-            }
-            Self::Encoded2048 => "in 2048 pixels, stored as 0..1",
+            Self::Pixels => ("pixels", "in pixels"),
+            Self::PixelsOfHalfAFrame => ("half-frame", "in pixels over half a frame"),
+            Self::Pictures => ("pictures", "in widths and heights of the picture"),
+            Self::HalfPictures => ("half-pictures", "in half widths and heights of the picture"),
+            Self::EncodedHalfPictures => (
+                "half-pictures-0-1",
+                "in half widths and heights of the picture, stored as 0..1",
+            ),
+            Self::Encoded2048 => ("2048-0-1", "in 2048 pixels, stored as 0..1"),
         }
     }
 }
@@ -164,7 +159,7 @@ impl fmt::Display for MotionConvention {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lead = if self.leads_ahead { "on from" } else { "to" };
         let y = if self.y_is_up { "y up" } else { "y down" };
-        write!(f, "{lead} the frame before, {}, {y}", self.unit.words())
+        write!(f, "{lead} the frame before, {}, {y}", self.unit.words().1)
     }
 }
 

@@ -95,7 +95,7 @@ fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {
     let pair = |[x, y]: [&str; 2]| {
         let channels = vec![layer.component(x)?, layer.component(y)?];
         let found = layer.with_channels(channels, None);
-        Some(RoleSource::of_match(Role::Motion, file, found))
+        Some(RoleSource::of(Role::Motion, file, Some(found), None))
     };
     PAIRS.into_iter().filter_map(pair).collect()
 }
