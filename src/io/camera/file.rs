@@ -383,10 +383,8 @@ impl Lens {
         if from == to {
             return Ok(self);
         }
-        if let Some(side) = from
-            .into_iter()
-            .find(|side| !(1.0..=MOST_SIDE).contains(side))
-        {
+        let mut sides = from.into_iter();
+        if let Some(side) = sides.find(|side| !(1.0..=MOST_SIDE).contains(side)) {
             return Err(Rejected::new(
                 format!("a side of its resolution is {side:e}"),
                 "give 1 to 2^30 pixels",

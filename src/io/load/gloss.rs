@@ -228,20 +228,14 @@ pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Option<(bool, Op
     let own = window(&albedo);
     let beside = [find(Role::Normal), color, mirrors, numbers];
     let beside = beside.map(|found| found.filter(|found| window(found) == own));
-    let wanted: Vec<Match> = std::iter::once(&albedo)
-        .chain(beside.iter().flatten())
-        .cloned()
-        .collect();
-    let mut read = samples(file, &wanted)
-        .into_iter()
-        .map(|sampled| sampled.bands);
+    let wanted = std::iter::once(&albedo).chain(beside.iter().flatten());
+    let read = samples(file, &wanted.cloned().collect::<Vec<_>>()).into_iter();
+    let mut read = read.map(|sampled| sampled.bands);
     let albedo = read.next()?;
     let beside = beside.map(|found| found.and_then(|_| read.next()));
     let [normal, alpha, mirrors, number] = &beside;
     let at = |bands: &Option<Vec<Band>>, [band, x, y]: [usize; 3]| {
-        bands
-            .as_ref()
-            .and_then(|bands| Some(bands.get(band)?.at(x, y)))
+        Some(bands.as_ref()?.get(band)?.at(x, y))
     };
     let (mut glossy, mut any_glossy) = (Vec::new(), Vec::new());
     let (mut covered, mut dark) = (0_usize, HashMap::<u32, usize>::new());
@@ -251,10 +245,8 @@ pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Option<(bool, Op
             let shows = at(normal, place).is_none_or(|n| n.norm_squared() > 0.25)
                 && at(alpha, place).is_none_or(|alpha| alpha.x > 0.5);
             let diffuse = rows.at(x, y).max();
-            if let Some(color) = at(mirrors, place)
-                .map(|color| color.max())
-                .filter(|_| shows)
-            {
+            let mirrored = at(mirrors, place).filter(|_| shows);
+            if let Some(color) = mirrored.map(|color| color.max()) {
                 if Gloss::share_diffuse([diffuse as f32; 3]) == 1.0 {
                     glossy.push(color);
                 } else if color > 0.0 {
@@ -268,17 +260,12 @@ pub(crate) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Option<(bool, Op
             }
         }
     }
-    let some = if glossy.is_empty() {
-        &mut any_glossy
-    } else {
-        &mut glossy
-    };
-    let is_tint = quantile(some, 0.5, f64::total_cmp).is_some_and(|median| median > TINT);
+    let median = |colors: &mut Vec<f64>| quantile(colors, 0.5, f64::total_cmp);
+    let median = median(&mut glossy).or_else(|| median(&mut any_glossy));
+    let is_tint = median.is_some_and(|median| median > TINT);
     let share = dark.values().sum::<usize>() as f64 / covered.max(1) as f64;
-    let mut dark: Vec<_> = dark
-        .into_iter()
-        .filter(|(number, _)| *number != 0)
-        .collect();
+    let mut dark: Vec<_> = dark.into_iter().collect();
+    dark.retain(|(number, _)| *number != 0);
     dark.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
     let names: Vec<String> = dark.into_iter().map(|(number, _)| names(number)).collect();
     let warning = (share > WORTH_TELLING).then(|| warning(share, &names, label, layers));
@@ -314,10 +301,8 @@ fn objects(file: &ExrFile, layers: &[Layer]) -> (Option<Match>, impl Fn(u32) -> 
 }
 
 fn warning(share: f64, names: &[String], mirrors: Option<String>, layers: &[LayerRead]) -> String {
-    let share = format!(
-        "{:.1} % of the surface has no diffuse colour",
-        100.0 * share
-    );
+    let percent = 100.0 * share;
+    let share = format!("{percent:.1} % of the surface has no diffuse colour");
     let names = match names {
         [] => String::new(),
         names => format!(" ({})", listed(names)),

@@ -31,11 +31,8 @@ fn evidence(chosen: &Chosen, flag: &str) -> String {
         ),
     };
     let fits = |text: &String| text.chars().count() + flag.chars().count() <= LINE;
-    [Some(all), some]
-        .into_iter()
-        .flatten()
-        .find(fits)
-        .unwrap_or(few)
+    let mut full = [Some(all), some].into_iter().flatten();
+    full.find(fits).unwrap_or(few)
 }
 
 /// Up to this share of samples of depth that were missing is not worth a word, percent.
@@ -82,27 +79,18 @@ impl Notes {
             })
             .collect();
         let data = [Role::Normal, Role::Depth, Role::Position];
-        let lossy = data
-            .into_iter()
-            .filter_map(|role| sources.get(role))
-            .filter(|source| !source.lossy_channels().is_empty())
-            .map(|source| {
-                format!(
-                    "{} was stored with a lossy compression: expect noise in curvature",
-                    source.lossy_channels().join(", ")
-                )
-            });
+        let lossy = data.into_iter().filter_map(|role| {
+            let channels = sources.get(role)?.lossy_channels();
+            let lossy = channels.join(", ");
+            (!channels.is_empty()).then(|| {
+                format!("{lossy} was stored with a lossy compression: expect noise in curvature")
+            })
+        });
         let mut warnings: Vec<_> = main.groups.note.iter().cloned().collect();
-        for source in &sources.roles {
-            let file = &source.file;
-            if let Some(note) = file
-                .groups
-                .note
-                .as_ref()
-                .filter(|_| !Rc::ptr_eq(file, main))
-            {
-                warnings.push(format!("{}: {note}", shown(file.path())));
-            }
+        let files = sources.roles.iter().map(|source| &source.file);
+        for file in files.filter(|file| !Rc::ptr_eq(file, main)) {
+            let note = file.groups.note.iter();
+            warnings.extend(note.map(|note| format!("{}: {note}", shown(file.path()))));
         }
         warnings.dedup();
         warnings.extend(lossy);

@@ -185,19 +185,15 @@ impl RoleSource {
     /// The encoding of its normals as far as it is known without their numbers, and why.
     pub(crate) fn encoding(&self) -> Option<(NormalEncoding, &'static str)> {
         let given = self.encoding.map(|encoding| (encoding, "as given"));
-        if let Some(layer) = self
-            .layer
-            .as_ref()
-            .filter(|layer| layer.channels.len() == 2)
-        {
+        let pair = self.layer.as_ref();
+        if let Some(layer) = pair.filter(|layer| layer.channels.len() == 2) {
             let is_octahedral = layer.layer.to_ascii_lowercase().contains("oct");
             let found = match is_octahedral {
                 true => (NormalEncoding::Oct, "by its name, of two channels"),
                 false => (NormalEncoding::Xy, "it has x and y alone"),
             };
-            return given
-                .filter(|(encoding, _)| encoding.is_pair())
-                .or(Some(found));
+            let given = given.filter(|(encoding, _)| encoding.is_pair());
+            return given.or(Some(found));
         }
         given.or_else(|| {
             let pair = self.file.map_codes()?.pair?;
@@ -205,12 +201,16 @@ impl RoleSource {
         })
     }
 
+    /// The encoding of its normals, if it holds any and that is known.
+    fn encoding_of_normals(&self) -> Option<NormalEncoding> {
+        let encoding = || self.encoding().map(|(encoding, _)| encoding);
+        (self.role == Role::Normal).then(encoding)?
+    }
+
     /// Whether its normals have two components stored.
     fn is_pair(&self) -> bool {
-        self.role == Role::Normal
-            && self
-                .encoding()
-                .is_some_and(|(encoding, _)| encoding.is_pair())
+        self.encoding_of_normals()
+            .is_some_and(|encoding| encoding.is_pair())
     }
 
     /// Leaves its coverage unread.
@@ -244,14 +244,12 @@ impl RoleSource {
     /// The flag that would choose this source; bare channels have no name to be chosen by.
     pub(crate) fn flag(&self) -> String {
         let role = self.role.name();
-        match &self.layer {
-            Some(layer) if layer.layer.is_empty() => format!("--{role} NAME|FILE"),
-            Some(layer) => format!("--{role} {}", Untrusted(&layer.layer).quoted()),
-            None => {
-                let path = self.file.path().to_string_lossy();
-                format!("--{role} {}", Untrusted(&path).quoted())
-            }
-        }
+        let name = match &self.layer {
+            Some(layer) if layer.layer.is_empty() => return format!("--{role} NAME|FILE"),
+            Some(layer) => layer.layer.as_str().into(),
+            None => self.file.path().to_string_lossy(),
+        };
+        format!("--{role} {}", Untrusted(&name).quoted())
     }
 
     /// The pixels meant to be shown of the file it is in.
@@ -288,11 +286,7 @@ impl RoleSource {
         meaning: Meaning,
     ) -> Result<Vec<Plane>> {
         let mut planes = photo.planes(rows, meaning)?;
-        let is_swapped = self.role == Role::Normal
-            && self
-                .encoding()
-                .is_some_and(|(encoding, _)| encoding == NormalEncoding::Ag);
-        if is_swapped {
+        if self.encoding_of_normals() == Some(NormalEncoding::Ag) {
             if planes.len() != 4 {
                 return Err(Error::Unsupported {
                     path: self.file.path().to_path_buf(),

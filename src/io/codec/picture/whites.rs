@@ -48,22 +48,16 @@ impl Whites {
         mask: &Mask,
         rows: Range<usize>,
     ) -> Self {
-        let Picture {
-            color,
-            alpha,
-            display,
-            ..
-        } = picture;
-        let shown = display.shown();
+        let shown = picture.display.shown();
         let count_in = |y: usize, columns: Range<usize>| {
             let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
-                straight([r, g, b], *alpha, y, columns.clone(), max_code(8)).0
+                straight([r, g, b], picture.alpha, y, columns.clone(), max_code(8)).0
             };
             let white_in = |colors: &Colors| {
                 let brightest = (0..columns.len()).map(|x| largest(color_at(colors, x)));
                 brightest.filter(|&v| v >= WHITE).count()
             };
-            let after = of(color);
+            let after = of(picture.color);
             let after = shown.map_or(after, |shown| shown.group(&after, of));
             Self {
                 count: white_in(&after),
