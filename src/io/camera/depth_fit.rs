@@ -199,10 +199,8 @@ impl Fit {
     /// Those of rough fits that may turn out to be the best, fitted to more of the patches.
     pub(super) fn ranked(rough: &[Fit], patches: &[Patch]) -> Vec<Self> {
         let some = spread_out(patches, RANKED);
-        let least = rough
-            .iter()
-            .map(|fit| fit.loss)
-            .fold(f64::INFINITY, f64::min);
+        let losses = rough.iter().map(|fit| fit.loss);
+        let least = losses.fold(f64::INFINITY, f64::min);
         let most = HOPELESS * least.max(ROUGH);
         let likely = rough.iter().filter(|fit| fit.loss <= most);
         let fitted = likely.filter_map(|fit| Self::at(fit.lens, &some, ROUNDS));
@@ -357,18 +355,13 @@ impl Fit {
 /// Median residual, each patch weighted by its normal's deviation from the dominant direction. Otherwise one plane that
 /// fills most of a picture, which fits in any case, would hide the rest. Infinite if no normal deviates.
 fn telling_median(residuals: &[f64], patches: &[Patch]) -> f64 {
-    let sum: Matrix3<f64> = patches
-        .iter()
-        .map(|p| p.normal * p.normal.transpose())
-        .sum();
+    let moments = patches.iter().map(|p| p.normal * p.normal.transpose());
+    let sum: Matrix3<f64> = moments.sum();
     let eigen = SymmetricEigen::new(sum);
     let common = eigen.eigenvectors.column(eigen.eigenvalues.imax());
     let lean = |p: &Patch| p.normal.cross(&common).norm_squared();
-    let mut list: Vec<(f64, f64)> = residuals
-        .iter()
-        .copied()
-        .zip(patches.iter().map(lean))
-        .collect();
+    let residuals = residuals.iter().copied();
+    let mut list: Vec<(f64, f64)> = residuals.zip(patches.iter().map(lean)).collect();
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * list.iter().map(|(_, lean)| lean).sum::<f64>();
     let mut passed = 0.0;

@@ -79,10 +79,8 @@ impl Random {
 fn picture_frame(samples: &[Sample]) -> Option<(Vector2<f64>, f64)> {
     let count = samples.len() as f64;
     let centre = samples.iter().map(|s| s.seen).sum::<Vector2<f64>>() / count;
-    let square: f64 = samples
-        .iter()
-        .map(|s| (s.seen - centre).norm_squared())
-        .sum();
+    let squares = samples.iter().map(|s| (s.seen - centre).norm_squared());
+    let square: f64 = squares.sum();
     let size = (0.5 * square / count).sqrt();
     (size > 0.0).then_some((centre, size))
 }
@@ -97,11 +95,8 @@ fn homogeneous_map<const N: usize, const M: usize>(
     let mut system = SMatrix::<f64, M, M>::zeros();
     for sample in samples {
         let x = coordinates(sample);
-        add_equations(
-            &mut system,
-            &(x * x.transpose()),
-            (sample.seen - centre) / size,
-        );
+        let seen = (sample.seen - centre) / size;
+        add_equations(&mut system, &(x * x.transpose()), seen);
     }
     let flat = smallest_eigenvector(system)?;
     let w = SMatrix::<f64, 1, N>::from_fn(|_, c| flat[2 * N + c]);
@@ -182,10 +177,8 @@ fn parallel_camera(samples: &[Sample]) -> Option<Model> {
         return None;
     }
     // A plane leaves one direction undetermined; the pseudo-inverse sets it to zero.
-    let map = square
-        .svd(true, true)
-        .solve(&right, 1e-12 * square.amax())
-        .ok()?;
+    let least = 1e-12 * square.amax();
+    let map = square.svd(true, true).solve(&right, least).ok()?;
     let x = map.fixed_view::<3, 1>(0, 0).into_owned();
     let y = map.fixed_view::<3, 1>(0, 1).into_owned();
     let scale = 0.5 * (x.norm() + y.norm());
@@ -195,12 +188,8 @@ fn parallel_camera(samples: &[Sample]) -> Option<Model> {
     let (x, y) = (x / scale, y / scale);
     let rows = [x, y, x.cross(&y)].map(|r| r.transpose());
     let rotation = orthonormal(&Matrix3::from_rows(&rows))?;
-    Some(Model::new(
-        rotation,
-        Vector2::new(map[(3, 0)], map[(3, 1)]),
-        scale,
-        0.0,
-    ))
+    let shift = Vector2::new(map[(3, 0)], map[(3, 1)]);
+    Some(Model::new(rotation, shift, scale, 0.0))
 }
 
 /// Cameras under which the plane through the first two of `axes` projects onto `samples`.

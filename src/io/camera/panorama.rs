@@ -51,11 +51,8 @@ pub(crate) fn recover_panorama(
     }
     let count = sightings.len() as f64;
     let mut center = sightings.iter().map(|s| s.position).sum::<DVec3>() / count;
-    let size = sightings
-        .iter()
-        .map(|s| s.position.distance(center))
-        .sum::<f64>()
-        / count;
+    let distances = sightings.iter().map(|s| s.position.distance(center));
+    let size = distances.sum::<f64>() / count;
     let mut turn = turned(&sightings, center)?;
     for _ in 0..ROUNDS {
         let moved = nearest_point(&sightings, turn)?;

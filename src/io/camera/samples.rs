@@ -121,11 +121,8 @@ pub(super) fn gather(position: &Vector3Planes, mask: &Mask, grid: Grid) -> Sampl
         .filter(|(x, y, _)| layer.is_smooth(*x as isize, *y as isize, quantum))
         .copied()
         .collect();
-    let chosen = if smooth.len() >= ENOUGH {
-        spread_out(&smooth, WANTED)
-    } else {
-        spread_out(&candidates, WANTED)
-    };
+    let are_enough = smooth.len() >= ENOUGH;
+    let chosen = spread_out(if are_enough { &smooth } else { &candidates }, WANTED);
     let seen = |&(x, y, p): &Candidate| (p, grid.seen(x, y));
     let raw = chosen.iter().map(seen).collect();
     normalised(raw, quantum, half)
@@ -151,11 +148,8 @@ pub(super) fn spread_out<T: Copy>(list: &[T], count: usize) -> Vec<T> {
 
 /// Whether the coordinates look stored as half floats; a share of stray values, from resampled edges, is tolerated.
 fn is_half(candidates: &[Candidate]) -> bool {
-    let halves = candidates
-        .iter()
-        .filter(|(_, _, p)| p.iter().all(|&c| f16::from_f64(c).to_f64() == c))
-        .count();
-    10 * halves > 9 * candidates.len()
+    let is_half = |(_, _, p): &&Candidate| p.iter().all(|&c| f16::from_f64(c).to_f64() == c);
+    10 * candidates.iter().filter(is_half).count() > 9 * candidates.len()
 }
 
 /// The step between neighbouring values of the largest coordinates.
@@ -196,11 +190,8 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
     });
     let mut distances: Vec<f64> = raw.iter().map(|(p, _)| (p - middle).norm()).collect();
     let reach = 10.0 * quantile(&mut distances, 0.75);
-    let near: Vec<Vector3<f64>> = raw
-        .iter()
-        .map(|(p, _)| p - middle)
-        .filter(|d| d.norm() <= reach)
-        .collect();
+    let offsets = raw.iter().map(|(p, _)| p - middle);
+    let near: Vec<Vector3<f64>> = offsets.filter(|d| d.norm() <= reach).collect();
     let count = near.len().max(1) as f64;
     let mean = near.iter().sum::<Vector3<f64>>() / count;
     let square: f64 = near.iter().map(|d| (d - mean).norm_squared()).sum();

@@ -161,19 +161,15 @@ fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> O
 
 /// Whether the vectors are unit normals once decoded from 0..1 or as they are, with the share of those that are; `None` if there is none.
 fn encoding_of(sampled: &Sampled) -> Option<(bool, f64)> {
-    let stored: Vec<_> = sampled
-        .vectors()
-        .filter(|v| *v != Vector3::zeros())
-        .collect();
+    let written = sampled.vectors().filter(|v| *v != Vector3::zeros());
+    let stored: Vec<_> = written.collect();
     let is_positive = stored.iter().all(|v| v.min() >= 0.0 && v.max() < 1.01);
     let share = |is_unsigned: bool| {
         let lengths = || stored.iter().map(|v| decoded(*v, is_unsigned).norm());
         let covered = lengths().filter(|length| *length > UNIT).count() as f64;
         let longer = lengths().filter(|length| *length > 1.0 + UNIT).count() as f64;
-        let unit: Vec<_> = stored
-            .iter()
-            .filter_map(|v| unit(*v, is_unsigned))
-            .collect();
+        let unit = stored.iter().filter_map(|v| unit(*v, is_unsigned));
+        let unit: Vec<_> = unit.collect();
         let count = unit.len() as f64;
         let oblique = unit.iter().filter(|v| v.amax() < 1.0 - UNIT).count() as f64;
         let mean = unit.iter().sum::<Vector3<f64>>() / count.max(1.0);

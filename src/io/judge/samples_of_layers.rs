@@ -51,11 +51,8 @@ impl Band {
 impl Sampled {
     /// All finite vectors.
     pub(crate) fn vectors(&self) -> impl Iterator<Item = Vector3<f64>> {
-        let of_band = |band: &'_ Band| {
-            let at: Vec<_> = band.pixels().map(|[x, y]| band.at(x, y)).collect();
-            at
-        };
-        let all = self.bands.iter().flat_map(of_band);
+        let bands = self.bands.iter();
+        let all = bands.flat_map(|band| band.pixels().map(move |[x, y]| band.at(x, y)));
         all.filter(|v| v.iter().all(|c| c.is_finite()))
     }
 }

@@ -106,11 +106,8 @@ fn point(
 
 fn without_edges(mut steps: Vec<Step>) -> Option<Vec<Step>> {
     steps.retain(|step| step.step.iter().all(|c| c.is_finite()));
-    let changes: Vec<f64> = steps
-        .iter()
-        .map(|s| s.change)
-        .filter(|c| *c > 0.0)
-        .collect();
+    let changes = steps.iter().map(|step| step.change);
+    let changes: Vec<f64> = changes.filter(|change| *change > 0.0).collect();
     if (changes.len() as f64) < CHANGING * steps.len() as f64 {
         return None;
     }

@@ -115,10 +115,8 @@ pub(super) fn judge(
     ways.retain(|way| way.back.iter().any(|back| back[0].hypot(back[1]) < AWAY));
     let stands = scene.way(0, MotionConvention::BACK, vec![[0.0; 2]; scene.at.len()]);
     let world = still.map(|come| {
-        let back = scene
-            .at
-            .iter()
-            .map(|&[x, y]| [-come.x.at(x, y), -come.y.at(x, y)]);
+        let at = scene.at.iter();
+        let back = at.map(|&[x, y]| [-come.x.at(x, y), -come.y.at(x, y)]);
         scene.way(0, MotionConvention::BACK, back.collect())
     });
     verdict(layers, &ways, &stands, world.as_ref())
@@ -268,11 +266,8 @@ impl<'a> Scene<'a> {
     }
 
     fn way(&self, pair: usize, convention: MotionConvention, back: Vec<[f32; 2]>) -> Way {
-        let left = self
-            .at
-            .iter()
-            .zip(&back)
-            .map(|(&at, &back)| self.left(at, back));
+        let ways = self.at.iter().zip(&back);
+        let left = ways.map(|(&at, &back)| self.left(at, back));
         Way {
             pair,
             convention,
@@ -329,11 +324,8 @@ fn taps(column: f32, row: f32, mask: &Mask) -> Option<[(usize, usize, f32); 4]> 
         tap(0.0, 1.0, (1.0 - u) * v),
         tap(1.0, 1.0, u * v),
     ];
-    let covered: f32 = taps
-        .iter()
-        .filter(|(x, y, _)| mask.at(*x, *y))
-        .map(|tap| tap.2)
-        .sum();
+    let covered = taps.iter().filter(|(x, y, _)| mask.at(*x, *y));
+    let covered: f32 = covered.map(|tap| tap.2).sum();
     if covered < 0.5 {
         return None;
     }
