@@ -146,12 +146,12 @@ pub(crate) fn gap_strength_row(
             part(&first, GROUP * i, group),
             part(&second, GROUP * i, group),
         );
-        for x in 0..group.len() {
+        for (x, out) in group.iter_mut().enumerate() {
             let (a, b) = (side(first, x, step), side(second, x, step));
             let strength = Gap::between(a, b, unit).strength(0.0, scale.threshold);
             // Not a number where one is not covered.
             let strength = if strength > 0.0 { strength } else { 0.0 };
-            group[x] = if a.depth <= b.depth {
+            *out = if a.depth <= b.depth {
                 strength
             } else {
                 -strength
