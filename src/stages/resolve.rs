@@ -323,7 +323,7 @@ mod tests {
             fine.key("edges-and-gradient"),
             coarse.key("edges-and-gradient")
         );
-        for stage in ["diffusion", "trace", "auto-gain"] {
+        for stage in ["diffusion", "curvature", "auto-gain"] {
             assert_ne!(fine.key(stage), coarse.key(stage));
         }
         let brighter = ScalingParams {

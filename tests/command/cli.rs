@@ -646,7 +646,8 @@ fn explain_tells_why_each_stage_runs_or_not() {
     let fine = explained("enhance", &gears, "b.png", &["--iterations", "0", "-v"]);
     assert_eq!(verdict(&fine, "diffusion"), "-");
     let layers = explained("shape", &gears, "c.exr", &["-v"]);
-    assert_eq!(verdict(&layers, "directions"), "ran");
+    assert_eq!(verdict(&layers, "curvature"), "ran");
+    assert!(layers.contains("directions: asked for"), "{layers}");
     assert_eq!(verdict(&layers, "normal-rays"), "ran");
     assert_eq!(verdict(&layers, "radiance-scaling"), "-");
     let referred = explained("shape", &gears, "f.png", &["--reference-height", "120"]);
