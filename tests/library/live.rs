@@ -209,7 +209,7 @@ fn only_what_a_change_touches_is_made_anew() {
     );
     // A new scale repeats the diffusion, between the same edges.
     let another_scale = |a: &mut Asked| a.shape.scale = Scale::Iterations(30);
-    let expected = ["auto-gain", "diffusion", "relight", "trace"];
+    let expected = ["auto-gain", "curvature", "diffusion", "relight"];
     assert_eq!(passes(&relight, another_scale), expected);
     // A given gain applies to the same curvature.
     let told_gain = |a: &mut Asked| a.scaling.curvature_gain = Adaptive::Fixed(4.0);
@@ -218,10 +218,10 @@ fn only_what_a_change_touches_is_made_anew() {
     let other_edges = |a: &mut Asked| a.shape.crease = SoftThreshold { lo: 20.0, hi: 40.0 };
     let expected = [
         "auto-gain",
+        "curvature",
         "diffusion",
         "edges-and-gradient",
         "radiance-scaling",
-        "trace",
     ];
     assert_eq!(passes(&enhance, other_edges), expected);
     // A drawing in another light keeps directions and contours.
