@@ -7,7 +7,6 @@ use super::fault::{Fault, Parsed};
 use super::header::{MULTI_PART, TILED};
 use super::sink::ChunkSink;
 use super::write::{PartDescription, ReadyPart};
-use super::writer::PartWriter;
 use crate::error::{Error, Result};
 use std::io::{Seek, Write};
 use std::path::Path;
@@ -15,33 +14,25 @@ use std::path::Path;
 /// Name of the only part of a file that gave it none.
 const FIRST_NAME: &str = "main";
 
-impl<'a, W: Write + Seek> PartWriter<'a, W> {
-    /// Starts a copy of `input` with this part added. `target` is only named in errors.
-    ///
-    /// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
-    /// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
-    /// time code of the first one, which all parts must share.
-    pub fn append(
-        input: &'a ExrFile,
-        w: &'a mut W,
-        target: &Path,
-        part: &PartDescription,
-    ) -> Result<Self> {
-        let mut parts = named_parts(input);
-        let part = PartDescription {
-            name: free_name(&part.name, &parts),
-            ..part.clone()
-        };
-        let ready = ReadyPart::new(&part, target, parts.first())?;
-        parts.push(ready.attributes.clone());
-        let mut counts = input.header.chunk_counts();
-        counts.push(ready.header.chunk_count);
-        let flags = input.header.flags & !TILED | MULTI_PART;
-        let out = ChunkSink::start(w, target, flags, (&parts, &ready), &counts)?;
-        let mut writer = Self::new(out, target, input.parts.len(), &part, &ready);
-        writer.copied = Some(Copied::new(input, None)?);
-        Ok(writer)
-    }
+/// Starts a copy of `input` with `part` added: its header is written, and no pixels yet.
+pub(super) fn start_append<'w, W: Write + Seek>(
+    input: &ExrFile,
+    w: &'w mut W,
+    target: &Path,
+    part: &PartDescription,
+) -> Result<(ChunkSink<'w, W>, ReadyPart)> {
+    let mut parts = named_parts(input);
+    let part = PartDescription {
+        name: free_name(&part.name, &parts),
+        ..part.clone()
+    };
+    let ready = ReadyPart::new(&part, target, parts.first())?;
+    parts.push(ready.attributes.clone());
+    let mut counts = input.header.chunk_counts();
+    counts.push(ready.header.chunk_count);
+    let flags = input.header.flags & !TILED | MULTI_PART;
+    let out = ChunkSink::start(w, target, flags, (&parts, &ready), &counts)?;
+    Ok((out, ready))
 }
 
 /// The input's attributes, plus those that only a multi-part file must have.

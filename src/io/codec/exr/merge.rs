@@ -1,6 +1,5 @@
 //! Adding channels to a part of a copy of a file.
 
-use super::append::Copied;
 use super::chunks::ChunkReader;
 use super::decode::Rows;
 use super::fault::{Fault, Parsed};
@@ -11,7 +10,6 @@ use super::sink::ChunkSink;
 use super::write::{
     PartDescription, ReadyPart, Source, channel_entry, set_added, sorted_channels, typed_header,
 };
-use super::writer::PartWriter;
 use super::{ExrFile, OutputCompression};
 use crate::error::{Error, Result};
 use ::exr::meta::BlockDescription;
@@ -30,51 +28,39 @@ pub struct Merged {
     pub warnings: Vec<String>,
 }
 
-impl<'a, W: Write + Seek> PartWriter<'a, W> {
-    /// Starts a copy of `input` in which the part at index `part` also has these channels, for programs that see only
-    /// one part. `target` is only named in errors.
-    ///
-    /// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text attributes of
-    /// `added` are set. Its pixels are compressed anew, with the same compression if that is lossless, else with ZIP;
-    /// tiles become rows, at full resolution only. Other parts are copied as they are. If a layer of `added` shares a
-    /// channel with the part, the layer is renamed: bare channels go to a layer named like `added`. Its window must be
-    /// that of the part, which otherwise keeps its own description.
-    ///
-    /// # Panics
-    /// If there is no such part.
-    pub fn add_channels(
-        input: &'a ExrFile,
-        part: usize,
-        w: &'a mut W,
-        target: &Path,
-        added: &PartDescription,
-    ) -> Result<(Self, Merged)> {
-        let window = input.parts[part].window;
-        if window != added.data_window {
-            return Err(Error::SizeMismatch {
-                path: input.path.clone(),
-                found: format!("{window} in the part that is added to"),
-                expected: format!("the results are {}", added.data_window),
-            });
-        }
-        let own = input.parts[part].channels.iter().map(|c| c.name.as_str());
-        let channels = free_channels(added, &own.collect());
-        let names = channels.iter().map(|(name, _)| name.clone()).collect();
-        let (ready, warnings) = ready(input, part, &added.with(channels), target)?;
-
-        let mut parts = input.header.parts.clone();
-        parts[part] = ready.attributes.clone();
-        let mut counts = input.header.chunk_counts();
-        counts[part] = ready.header.chunk_count;
-        let flags = input.header.flags & !TILED;
-        let out = ChunkSink::start(w, target, flags, (&parts, &ready), &counts)?;
-        let mut writer = Self::new(out, target, part, added, &ready);
-        writer.copied = Some(Copied::new(input, Some(part))?);
-        let kept = InputRows::open(input, part, writer.encoder.batch_rows());
-        writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
-        let channels = names;
-        Ok((writer, Merged { channels, warnings }))
+/// Starts a copy of `input` in which the part at index `part` also has the channels of `added`: its header is written,
+/// and no pixels yet.
+pub(super) fn start_merge<'w, W: Write + Seek>(
+    input: &ExrFile,
+    part: usize,
+    w: &'w mut W,
+    target: &Path,
+    added: &PartDescription,
+) -> Result<(ChunkSink<'w, W>, ReadyPart, Merged)> {
+    let window = input.parts[part].window;
+    if window != added.data_window {
+        return Err(Error::SizeMismatch {
+            path: input.path.clone(),
+            found: format!("{window} in the part that is added to"),
+            expected: format!("the results are {}", added.data_window),
+        });
     }
+    let own = input.parts[part].channels.iter().map(|c| c.name.as_str());
+    let channels = free_channels(added, &own.collect());
+    let names = channels.iter().map(|(name, _)| name.clone()).collect();
+    let (ready, warnings) = ready(input, part, &added.with(channels), target)?;
+
+    let mut parts = input.header.parts.clone();
+    parts[part] = ready.attributes.clone();
+    let mut counts = input.header.chunk_counts();
+    counts[part] = ready.header.chunk_count;
+    let flags = input.header.flags & !TILED;
+    let out = ChunkSink::start(w, target, flags, (&parts, &ready), &counts)?;
+    let merged = Merged {
+        channels: names,
+        warnings,
+    };
+    Ok((out, ready, merged))
 }
 
 /// The header of the part with the channels `added`, and what is lost of the part.

@@ -1,9 +1,10 @@
 //! Writing a part, whole or strip by strip.
 
-use super::append::Copied;
+use super::ExrFile;
+use super::append::{Copied, start_append};
 use super::encode::{Encoder, Strip};
 use super::header::VERSION;
-use super::merge::InputRows;
+use super::merge::{InputRows, Merged, start_merge};
 use super::sink::ChunkSink;
 use super::write::{OutputPart, PartDescription, ReadyPart};
 use crate::error::{Error, Result};
@@ -40,13 +41,13 @@ pub struct PartWriter<'a, W> {
     top: i32,
     width: usize,
     planes: usize,
-    pub(super) encoder: Encoder,
+    encoder: Encoder,
     /// What is copied of another file, while the first blocks are compressed.
-    pub(super) copied: Option<Copied<'a>>,
+    copied: Option<Copied<'a>>,
     /// Blocks that wait to be written, while the next ones are compressed.
     waiting: Vec<Block>,
     /// The part that is added to.
-    pub(super) kept: Option<InputRows<'a>>,
+    kept: Option<InputRows<'a>>,
 }
 
 /// A compressed block of rows.
@@ -67,7 +68,50 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         Ok(Self::new(out, target, 0, part, &ready))
     }
 
-    pub(super) fn new(
+    /// Starts a copy of `input` with this part added. `target` is only named in errors.
+    ///
+    /// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
+    /// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
+    /// time code of the first one, which all parts must share.
+    pub fn append(
+        input: &'a ExrFile,
+        w: &'a mut W,
+        target: &Path,
+        part: &PartDescription,
+    ) -> Result<Self> {
+        let (out, ready) = start_append(input, w, target, part)?;
+        let mut writer = Self::new(out, target, input.parts.len(), part, &ready);
+        writer.copied = Some(Copied::new(input, None)?);
+        Ok(writer)
+    }
+
+    /// Starts a copy of `input` in which the part at index `part` also has these channels, for programs that see only
+    /// one part. `target` is only named in errors.
+    ///
+    /// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text attributes of
+    /// `added` are set. Its pixels are compressed anew, with the same compression if that is lossless, else with ZIP;
+    /// tiles become rows, at full resolution only. Other parts are copied as they are. If a layer of `added` shares a
+    /// channel with the part, the layer is renamed: bare channels go to a layer named like `added`. Its window must be
+    /// that of the part, which otherwise keeps its own description.
+    ///
+    /// # Panics
+    /// If there is no such part.
+    pub fn add_channels(
+        input: &'a ExrFile,
+        part: usize,
+        w: &'a mut W,
+        target: &Path,
+        added: &PartDescription,
+    ) -> Result<(Self, Merged)> {
+        let (out, ready, merged) = start_merge(input, part, w, target, added)?;
+        let mut writer = Self::new(out, target, part, added, &ready);
+        writer.copied = Some(Copied::new(input, Some(part))?);
+        let kept = InputRows::open(input, part, writer.encoder.batch_rows());
+        writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
+        Ok((writer, merged))
+    }
+
+    fn new(
         out: ChunkSink<'a, W>,
         target: &Path,
         index: usize,

@@ -1,12 +1,9 @@
 //! Conversion of numbers to the integer codes of pictures.
 
 use super::format::ViewTransform;
+use super::group::clipped;
 use crate::io::srgb;
 use std::sync::LazyLock;
-
-pub(super) fn clipped(v: f64) -> f64 {
-    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
-}
 
 pub(super) fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
     match (transform, max) {

@@ -1,8 +1,12 @@
 //! Some pixels of a row at a time, so that the compiler computes several in one instruction.
 
-use super::codes::clipped;
 use crate::frame::Plane;
 use std::ops::Range;
+
+/// A number within 0..1, which codes can hold; 0 for NaN.
+pub(super) fn clipped(v: f64) -> f64 {
+    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
+}
 
 /// Pixels that are converted together.
 pub(super) const GROUP: usize = 16;
