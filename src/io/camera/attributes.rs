@@ -264,29 +264,44 @@ fn rigid(matrix: DMat4) -> Option<DAffine3> {
 
 /// Convention of normalised device coordinates.
 #[derive(Clone, Copy)]
-struct Ndc(bool, bool);
+struct Ndc {
+    /// -1 to 1 instead of 0 to 1.
+    signed: bool,
+    /// y up instead of down.
+    up: bool,
+}
 
 impl Ndc {
     const ALL: [(Self, &'static str); 4] = [
-        (Self(false, false), ", worldToNDC 0..1"),
-        (Self(true, true), ", worldToNDC -1..1 with y up"),
-        (Self(false, true), ", worldToNDC 0..1 with y up"),
-        (Self(true, false), ", worldToNDC -1..1"),
+        (Self::new(false, false), ", worldToNDC 0..1"),
+        (Self::new(true, true), ", worldToNDC -1..1 with y up"),
+        (Self::new(false, true), ", worldToNDC 0..1 with y up"),
+        (Self::new(true, false), ", worldToNDC -1..1"),
     ];
+
+    const fn new(signed: bool, up: bool) -> Self {
+        Self { signed, up }
+    }
+
+    fn pixel(self, ndc: DVec2, picture: &Picture) -> DVec2 {
+        let share = if self.signed { 0.5 * (ndc + 1.0) } else { ndc };
+        let y = if self.up { 1.0 - share.y } else { share.y };
+        picture.corner() + DVec2::new(share.x, y) * picture.size()
+    }
 
     /// The projection that a matrix from view space is, if that puts the view axis near the middle, x to the
     /// right and y up.
     fn projection(self, ndc_from_view: &DMat4, picture: &Picture) -> Option<Projection> {
-        let Self(is_signed, y_is_up) = self;
-        let seen = |at: [f64; 3]| {
-            let p = *ndc_from_view * DVec3::from(at).extend(1.0);
-            let ndc = p.truncate().truncate() / p.w;
-            let share = if is_signed { 0.5 * (ndc + 1.0) } else { ndc };
-            let y = if y_is_up { 1.0 - share.y } else { share.y };
-            picture.corner() + DVec2::new(share.x, y) * picture.size()
+        let seen = |x: f64, y: f64, z: f64| {
+            let p = *ndc_from_view * DVec4::new(x, y, z, 1.0);
+            self.pixel(DVec2::new(p.x, p.y) / p.w, picture)
         };
-        let [here, right, up] = [[0.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0]].map(seen);
-        let far = seen([1.0, 0.0, -2.0]);
+        let (here, right, up) = (
+            seen(0.0, 0.0, -1.0),
+            seen(1.0, 0.0, -1.0),
+            seen(0.0, 1.0, -1.0),
+        );
+        let far = seen(1.0, 0.0, -2.0);
         let (x, y) = (right.x - here.x, here.y - up.y);
         let middle = picture.corner() + 0.5 * picture.size();
         let shift = ((here - middle) / picture.size()).abs().max_element();

@@ -13,20 +13,39 @@ const CANDIDATES: usize = 10_000;
 const ENOUGH: usize = 700;
 /// Covered pixels from which on larger patches leave enough of them.
 const ROOMY: usize = 8_000;
-/// Criteria for choosing patches: pixels to each side of the middle one, the shortest normal that counts as unfiltered,
-/// and the length of the mean of a patch's normals as a share of their own: at 0.99 they lie 8 degrees about it, and no
-/// sharp crease runs through.
-type Choice = (usize, f64, f64);
+/// Criteria for choosing patches.
+#[derive(Clone, Copy)]
+struct Choice {
+    /// Pixels to each side of the middle one.
+    reach: usize,
+    /// Shortest normal that counts as unfiltered.
+    shortest: f64,
+    /// Length of the mean of a patch's normals as a share of their own: at 0.99 they lie 8 degrees about
+    /// it, and no sharp crease runs through.
+    alike: f64,
+}
+
+const fn choice(reach: usize, shortest: f64, alike: f64) -> Choice {
+    Choice {
+        reach,
+        shortest,
+        alike,
+    }
+}
 
 /// Strictest first, where depth is exact: small patches follow curved surface best.
-const FINE: [Choice; 3] = [(1, 0.98, 0.99), (1, 0.95, 0.98), (1, 0.9, 0.96)];
+const FINE: [Choice; 3] = [
+    choice(1, 0.98, 0.99),
+    choice(1, 0.95, 0.98),
+    choice(1, 0.9, 0.96),
+];
 /// Strictest first, for renderers that sample depth at a random place inside each pixel, or round it to half floats.
 /// The slope of a plane fitted to 7x7 pixels has an eighth of the error of one fitted to 3x3.
 const COARSE: [Choice; 4] = [
-    (3, 0.98, 0.99),
-    (2, 0.98, 0.99),
-    (1, 0.98, 0.98),
-    (1, 0.9, 0.96),
+    choice(3, 0.98, 0.99),
+    choice(2, 0.98, 0.99),
+    choice(1, 0.98, 0.98),
+    choice(1, 0.9, 0.96),
 ];
 /// Offset of depth samples from the pixel centre, in pixels, from which the coarse criteria apply.
 const OFF_CENTRE: f64 = 0.2;
@@ -95,7 +114,7 @@ impl NormalsAndDepth<'_> {
         let (mut best, mut most) = (Vec::new(), 0);
         for &choice in choices {
             let found = self.patches_of(choice);
-            let count = found.len() * choice.0;
+            let count = found.len() * choice.reach;
             if count >= ENOUGH {
                 return found;
             }
@@ -153,7 +172,7 @@ impl NormalsAndDepth<'_> {
     }
 
     fn patches_of(&self, choice: Choice) -> Vec<Patch> {
-        let (reach, ..) = choice;
+        let reach = choice.reach;
         let (width, height) = (self.depth.width(), self.depth.height());
         let stride = stride(self.mask.count(), CANDIDATES / reach);
         let rows: Vec<usize> = (reach..height.saturating_sub(reach))
@@ -168,8 +187,8 @@ impl NormalsAndDepth<'_> {
 
     /// The patch around a pixel; `None` unless it is one smooth surface.
     fn patch(&self, x: usize, y: usize, choice: Choice) -> Option<Patch> {
-        let (reach, shortest, least_alike) = choice;
-        let sums = self.sums(x, y, reach, shortest)?;
+        let reach = choice.reach;
+        let sums = self.sums(x, y, reach, choice.shortest)?;
         let side = (2 * reach + 1) as f64;
         let count = side * side;
         // Inverse depth is linear in the picture wherever the surface is plane. Columns and rows of a
@@ -184,7 +203,7 @@ impl NormalsAndDepth<'_> {
         let allowed = SCATTER_PX * per_column.hypot(per_row)
             + SCATTER_SLOPE * reach as f64 * inverse / self.grid.display.width().max(1) as f64;
         let alike = sums.normal.norm() / sums.length;
-        (scatter <= allowed && alike >= least_alike).then(|| Patch {
+        (scatter <= allowed && alike >= choice.alike).then(|| Patch {
             seen: self.grid.seen(x, y),
             depth: 1.0 / inverse,
             slope: -Vector2::new(per_column, per_row * self.grid.aspect) / inverse,

@@ -118,7 +118,7 @@ impl MotionConvention {
 impl MotionConvention {
     /// The value of `--motion-convention` that is read as this.
     pub(super) fn flag(self) -> String {
-        let lead = ["back", "forward"][usize::from(self.leads_ahead)];
+        let lead = if self.leads_ahead { "forward" } else { "back" };
         let y = if self.y_is_up { "up" } else { "down" };
         format!("{lead},{y},{}", self.unit.name())
     }

@@ -156,7 +156,12 @@ pub(crate) fn split_last_word(name: &str) -> (&str, &str) {
 }
 
 /// Prefixes that some renderers put before the significant word.
-const PREFIXES: &str = "finalimagemovierenderqueue cgeometry vrayre rendererinfo";
+const PREFIXES: &[&str] = &[
+    "finalimagemovierenderqueue",
+    "cgeometry",
+    "vrayre",
+    "rendererinfo",
+];
 
 /// The key of a layer in the tables, from the last word of its name.
 pub(crate) fn key(word: &str) -> String {
@@ -165,8 +170,7 @@ pub(crate) fn key(word: &str) -> String {
         .filter(char::is_ascii_alphanumeric)
         .collect::<String>()
         .to_ascii_lowercase();
-    let mut prefixes = PREFIXES.split(' ');
-    let rest = prefixes.find_map(|prefix| word.strip_prefix(prefix));
+    let rest = PREFIXES.iter().find_map(|prefix| word.strip_prefix(prefix));
     // `VRayReflection` is no element called `flection`.
     match rest.filter(|rest| !rest.is_empty() && !word.starts_with("vrayref")) {
         Some(rest) => rest.into(),
@@ -225,29 +229,45 @@ const IMPLIED: &[(Hint, &str)] = &[
     (Hint::depth(NormalizedNearIsOne), "zdepth vrayzdepth"),
 ];
 
-/// A program that writes layers: its name, prefixes of the names of attributes in its files, in lower case, and the
-/// defaults for its layers unless a name is more specific.
-type Renderer = (&'static str, &'static str, Hint);
+/// A program that writes layers, and the defaults for its layers unless a name is more specific.
+struct Renderer {
+    name: &'static str,
+    /// Prefixes of the names of attributes in its files, in lower case.
+    attributes: &'static [&'static str],
+    hint: Hint,
+}
+
+const fn renderer(name: &'static str, attributes: &'static [&'static str], hint: Hint) -> Renderer {
+    Renderer {
+        name,
+        attributes,
+        hint,
+    }
+}
 
 /// Renderers recognised by attributes, or by their names in those of [`MAKERS`], with the implications for their layers.
 const RENDERERS: &[Renderer] = &[
-    ("Blender", "cycles.", Hint::WORLD.and(Planar)),
-    ("Arnold", "arnold/", Hint::WORLD.and(Planar)),
-    (
+    renderer("Blender", &["cycles."], Hint::WORLD.and(Planar)),
+    renderer("Arnold", &["arnold/"], Hint::WORLD.and(Planar)),
+    renderer(
         "V-Ray",
-        "vray camerafov",
+        &["vray", "camerafov"],
         Hint::VIEW.and(NormalizedNearIsOne),
     ),
-    ("RenderMan", "rman", Hint::depth(Planar)),
-    ("Redshift", "rs/", Hint::WORLD.and(Planar)),
-    ("Karma", "karma", Hint::WORLD),
-    ("Mantra", "mantra", Hint::VIEW.and(Planar)),
-    ("Octane", "octane", Hint::depth(Ray)),
-    ("Corona", "corona", Hint::VIEW),
-    ("Mitsuba", "mitsuba", Hint::WORLD.and(Ray)),
-    ("pbrt", "rendertimeseconds samplesperpixel", Hint::VIEW),
-    ("Nuke", "nuke/", Hint::depth(Inverse)),
-    ("Unreal", "unreal/", Hint::WORLD.and(Planar)),
+    renderer("RenderMan", &["rman"], Hint::depth(Planar)),
+    renderer("Redshift", &["rs/"], Hint::WORLD.and(Planar)),
+    renderer("Karma", &["karma"], Hint::WORLD),
+    renderer("Mantra", &["mantra"], Hint::VIEW.and(Planar)),
+    renderer("Octane", &["octane"], Hint::depth(Ray)),
+    renderer("Corona", &["corona"], Hint::VIEW),
+    renderer("Mitsuba", &["mitsuba"], Hint::WORLD.and(Ray)),
+    renderer(
+        "pbrt",
+        &["rendertimeseconds", "samplesperpixel"],
+        Hint::VIEW,
+    ),
+    renderer("Nuke", &["nuke/"], Hint::depth(Inverse)),
+    renderer("Unreal", &["unreal/"], Hint::WORLD.and(Planar)),
 ];
 
 /// Attributes that name the program a file was made with.
@@ -265,12 +285,14 @@ fn renderer_of(file: &ExrFile) -> Option<&'static Renderer> {
         .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text))
         .collect();
     // A file rewritten by Nuke still has its renderer's layers.
-    RENDERERS.iter().find(|(renderer, marks, _)| {
-        let renderer = renderer.to_ascii_lowercase();
+    RENDERERS.iter().find(|renderer| {
         attributes.iter().any(|(name, text)| {
-            let names_it = || text.to_ascii_lowercase().contains(&renderer);
-            let is_marked = marks.split(' ').any(|mark| name.starts_with(mark));
-            is_marked || is_one_of(name, MAKERS) && names_it()
+            let starts = |mark: &&str| name.starts_with(mark);
+            renderer.attributes.iter().any(starts)
+                || is_one_of(name, MAKERS)
+                    && text
+                        .to_ascii_lowercase()
+                        .contains(&renderer.name.to_ascii_lowercase())
         })
     })
 }
@@ -284,11 +306,11 @@ pub(crate) fn hint(layer: &str, space: Option<NormalSpace>, file: &ExrFile) -> (
     }
     let renderer = renderer_of(file);
     if space.is_some() {
-        let depth = renderer.and_then(|(.., hint)| hint.depth);
+        let depth = renderer.and_then(|renderer| renderer.hint.depth);
         return (Hint { space, depth }, format!("by its name, {word}"));
     }
     match renderer {
-        Some((name, _, hint)) => (*hint, format!("as {name} writes it")),
+        Some(renderer) => (renderer.hint, format!("as {} writes it", renderer.name)),
         None => (Hint::default(), String::new()),
     }
 }

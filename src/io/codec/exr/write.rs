@@ -239,11 +239,16 @@ pub(super) fn channel_entry(name: &str, sample_type: OutputType) -> Vec<u8> {
 }
 
 /// Attributes that all parts of a file share.
-const SHARED: &str = "displayWindow pixelAspectRatio chromaticities timeCode";
+const SHARED: [&str; 4] = [
+    "displayWindow",
+    "pixelAspectRatio",
+    "chromaticities",
+    "timeCode",
+];
 
 /// Takes over what all parts of a file must have in common.
 fn share(attributes: &mut Attributes, first: &Attributes) {
-    for name in SHARED.split_whitespace() {
+    for name in SHARED {
         match first.get(name) {
             Some(a) => attributes.set(name, &String::from_utf8_lossy(&a.kind), a.value.clone()),
             None => attributes.remove(name),

@@ -55,8 +55,9 @@ pub(super) enum Way {
 
 /// zlib's working state: costly to make, and reused by all blocks of a thread.
 struct Compressors {
-    /// One for each way.
-    each: [Deflate; 3],
+    runs: Deflate,
+    first: Deflate,
+    coded: Deflate,
     sample: Vec<u8>,
 }
 
@@ -108,11 +109,9 @@ pub(super) fn deflate(
 impl Compressors {
     fn new() -> Self {
         Self {
-            each: [
-                deflate_by(LEVEL, Strategy::Rle, -WINDOW_BITS),
-                deflate_by(LEAST_LEVEL, Strategy::Default, -WINDOW_BITS),
-                deflate_by(LITTLE_LEVEL, Strategy::Default, -WINDOW_BITS),
-            ],
+            runs: deflate_by(LEVEL, Strategy::Rle, -WINDOW_BITS),
+            first: deflate_by(LEAST_LEVEL, Strategy::Default, -WINDOW_BITS),
+            coded: deflate_by(LITTLE_LEVEL, Strategy::Default, -WINDOW_BITS),
             sample: Vec::new(),
         }
     }
@@ -185,7 +184,11 @@ impl Compressors {
     }
 
     fn by(&mut self, way: Way) -> &mut Deflate {
-        &mut self.each[way as usize]
+        match way {
+            Way::Runs => &mut self.runs,
+            Way::First => &mut self.first,
+            Way::Coded => &mut self.coded,
+        }
     }
 }
 
