@@ -18,7 +18,7 @@
 //! around, is compared too.
 
 use glam::DVec2;
-use relievo::engine::{Engine, Inputs, Outcome, Run};
+use relievo::engine::{Engine, Inputs, Outcome, Request, Run};
 use relievo::frame::{
     ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SpecularScene, SymmetricPlanes,
     Vector2Planes,
@@ -27,13 +27,13 @@ use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
-    Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
+    Adaptive, LineParams, Material, Method, Params, RelightParams, Samples, Scale, ScalingParams,
     ShapeParams, Solver, SpecularParams, StrokeDirections, StrokeParams, StrokeScale, Style,
     ToneParams,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::light_reference::{
-    Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma, white,
+    Pixel, Settings, irradiance as exact_irradiance, lit, sigma, white,
 };
 use relievo::scenes::{HEIGHT, Scene, WAVE, environment};
 use std::path::Path;
@@ -50,6 +50,16 @@ mod shadows;
 mod strokes;
 #[path = "measure/warping.rs"]
 mod warping;
+
+/// The Hessian of a frame's height, which relighting does not output.
+fn hessian(frame: &Frame, shape: ShapeParams) -> Outcomes<SymmetricPlanes> {
+    let params = Params {
+        shape,
+        ..Params::default()
+    };
+    let layers = Engine::cpu().run(&Request::new(Goal::LAYERS, params), frame, &Run::new())?;
+    Ok(layers.shape.hessian.ok_or("layers hold it")?)
+}
 
 type Outcomes<T> = Result<T, Box<dyn std::error::Error>>;
 

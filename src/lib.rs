@@ -91,6 +91,8 @@ mod command;
 pub mod engine;
 pub mod error;
 pub mod frame;
+#[cfg(feature = "gpu")]
+mod gpu;
 #[cfg(feature = "host")]
 pub mod host;
 pub mod io;

@@ -4,7 +4,7 @@
 //! by median cut, each with the Jacobian of the warp. Both are compared with many evenly spread lights, summed in
 //! double precision at some pixels of waves.
 
-use super::{Outcomes, luminance, ms, quartiles, some_covered};
+use super::{Outcomes, hessian, luminance, ms, quartiles, some_covered};
 use rayon::prelude::*;
 use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{ColorPlanes, Frame};
@@ -14,7 +14,7 @@ use relievo::params::{
     Material, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
 };
 use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::light_reference::{Pixel, Settings, hessian, lit, white};
+use relievo::scenes::light_reference::{Pixel, Settings, lit, white};
 use relievo::scenes::{Scene, environment};
 
 const COUNTS: [u32; 5] = [16, 64, 256, 1024, 4096];

@@ -2,16 +2,18 @@
 
 use crate::command::args::WorkArgs;
 use crate::command::grid::CellSize;
-use crate::engine::outcome::{Outcome, add_timings};
 use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Window};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{Inputs, StoredDepth, Wrap};
 use crate::io::output::picture::Form;
 use crate::io::{Holding, InputFiles, Loaded, Needs, PartOfPhotos, WholePhoto, wrapped};
+use crate::kernel::timings::add_timings;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::relight::albedo::estimate;
-use crate::plan::{Albedo, Plan};
+use crate::light::relight::setting::Albedo;
+use crate::plan::Plan;
+use crate::plan::outcome::Outcome;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -72,11 +74,11 @@ impl SheetPart<'_> {
 
     /// Makes the plan for a cell take the albedo that was estimated over the sheet.
     pub(super) fn settle_albedo(&self, plan: &mut Plan, frame: &Frame) {
-        let relighting = plan.relighting.as_mut();
-        let estimates = relighting.filter(|r| r.albedo == Albedo::Estimate);
-        if let (Some(relighting), Some(_)) = (estimates, &frame.color) {
+        let relighting = plan.relighting();
+        let estimates = relighting.is_some_and(|own| own.albedo == Albedo::Estimate);
+        if estimates && frame.color.is_some() {
             let found = || estimate(frame, &frame.normal, frame.luminance_weights());
-            relighting.estimate = Some(*self.sheet.albedo.get_or_init(found));
+            plan.with_estimate(Some(*self.sheet.albedo.get_or_init(found)));
         }
     }
 

@@ -2,7 +2,6 @@
 
 use super::job::Job;
 use super::motion::Steps;
-use crate::engine::outcome::Outcome;
 use crate::engine::{Engine, Inputs};
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Surroundings};
@@ -10,6 +9,7 @@ use crate::io::Loaded;
 use crate::light::lights::Illumination;
 use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
+use crate::plan::outcome::Outcome;
 use crate::work::source::FrameSource;
 use crate::work::{FrameWork, light_of};
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
 //! How long the stages of a frame took, and --timings.
 
-use crate::engine::outcome::Outcome;
 use crate::frame::Window;
 use crate::io::Loaded;
 use crate::io::picture::Whites;
+use crate::plan::outcome::Outcome;
 use std::time::Duration;
 
 /// The making of normals where files hold none.

@@ -3,7 +3,6 @@
 use super::flags::Flag;
 use super::role_args;
 use super::still_camera::{self, StillCamera};
-use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::Loaded;
@@ -11,6 +10,7 @@ use crate::io::inputs::{Conventions, KnownCamera};
 use crate::kernel::quantile::quantile;
 use crate::light::lights::LightChoice;
 use crate::params::{LineLevels, ToneLevels};
+use crate::plan::outcome::Outcome;
 
 /// Pixels looked at for the distance of a frame's surface.
 const WANTED_DISTANCES: usize = 4_000;

@@ -6,17 +6,17 @@ use crate::engine::cpu::row_layers::RowLayers;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
 #[cfg(feature = "gpu")]
-use crate::engine::gpu::fault::Fault;
-#[cfg(feature = "gpu")]
 use crate::engine::gpu::{Choice, Device};
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Outcome;
 use crate::engine::part::FramePart;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Vector2Planes};
+#[cfg(feature = "gpu")]
+use crate::gpu::fault::Fault;
 use crate::params::{LineParams, RunOptions};
+use crate::plan::outcome::Outcome;
 #[cfg(feature = "gpu")]
 use crate::plan::stage::Stage;
 use crate::plan::{Available, Plan};
@@ -417,10 +417,10 @@ fn say_left_to_cpu(plan: &Plan, run: &Run) {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::engine::watch::Progress;
     use crate::frame::{ColorPlanes, LightGroup, Plane};
     use crate::kernel::cancel::CancelToken;
     use crate::params::{LineParams, ScalingParams, ShapeParams, Style};
+    use crate::plan::watch::Progress;
     use crate::plan::{Available, Goal, Tone};
     use crate::scenes::Scene;
     use glam::Vec3;

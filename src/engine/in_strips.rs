@@ -3,13 +3,14 @@
 use crate::engine::backends::Engine;
 use crate::engine::cpu::strips::StripSearch;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::part::FramePart;
 use crate::engine::run::Run;
 use crate::engine::tiles::{Strips, rows_of};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, LightLayers};
+use crate::kernel::timings::add_timings;
 use crate::plan::Plan;
+use crate::plan::outcome::Outcome;
 use std::ops::Range;
 
 /// Planes that stages take at most beside their results, three gradients of the diffusion above all.
@@ -128,9 +129,7 @@ impl Engine {
         }
         let found = search.found();
         plan.scaling = found.given(plan.scaling);
-        if let Some(relighting) = &mut plan.relighting {
-            relighting.estimate = found.albedo;
-        }
+        plan.with_estimate(found.albedo);
         Ok(())
     }
 }

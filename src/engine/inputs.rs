@@ -2,11 +2,14 @@
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene};
+use crate::kernel::shelf::Lent;
 use crate::light::lights::{Illumination, LightKinds};
+use crate::light::relight::setting::{EnvironmentUse, Relighting};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::Style;
-use crate::plan::{Available, EnvironmentUse, Plan, Relighting};
+use crate::plan::execution::Given;
+use crate::plan::{Available, Plan};
 
 /// Inputs of a plan beside the frame.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,13 +33,22 @@ impl<'a> Inputs<'a> {
         }
     }
 
+    /// The same, as stages take them.
+    pub(crate) fn given(&self) -> Given<'a> {
+        Given {
+            specular: self.specular,
+            sequence: self.sequence,
+            others: Lent::of(self.illumination, self.art_map),
+        }
+    }
+
     /// Checks that all inputs the plan was made for are present.
     ///
     /// # Errors
     /// [`Error::Unfit`] naming the first input that is missing, or differs in size from the frame.
     pub(crate) fn check(&self, plan: &Plan, frame: &Frame) -> Result<()> {
         check_frame(&plan.available, frame)?;
-        if let Some(relighting) = &plan.relighting {
+        if let Some(relighting) = plan.relighting() {
             self.check_light(relighting, &plan.available, frame)?;
         }
         let strokes = plan.drawing.as_ref().map(|drawing| &drawing.strokes);
@@ -44,7 +56,7 @@ impl<'a> Inputs<'a> {
         if of_pictures && self.art_map.is_none() {
             return Err(missing("a texture of strokes", "none is given"));
         }
-        let relighting = plan.relighting.as_ref();
+        let relighting = plan.relighting();
         let is_traced = strokes.is_some() || relighting.is_some_and(|relighting| relighting.traced);
         if plan.specular.is_some() && is_traced && self.specular.is_none() {
             return Err(missing("what mirrors and lenses show", "none is given"));

@@ -1,11 +1,11 @@
 //! Options of a run: none of them changes a sample of the result.
 
-use crate::engine::outcome::Outcome;
 use crate::engine::target::Target;
-use crate::engine::watch::{Progress, Tell, Watch};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Window};
 use crate::kernel::cancel::CancelToken;
+use crate::plan::outcome::Outcome;
+use crate::plan::watch::{Progress, Tell, Watch};
 use crate::product::Product;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -173,9 +173,9 @@ impl<'a> Run<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::watch::Progress;
     use crate::engine::{Engine, Inputs};
     use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::watch::Progress;
     use crate::plan::{Available, Goal, Plan};
     use crate::scenes::Scene;
 

@@ -1,14 +1,14 @@
 //! Sessions: repeated runs of one frame with changing parameters; only affected stages are recomputed.
 
 use crate::engine::backends::Engine;
-use crate::engine::cpu::execution::Runner;
-use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
+use crate::plan::execution::Runner;
+use crate::plan::frame_cache::FrameCache;
+use crate::plan::outcome::Outcome;
 use crate::plan::{Available, Plan};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -3,7 +3,8 @@
 use crate::frame::Plane;
 use crate::light::brdf::lobe_error;
 use crate::light::lights::Illumination;
-use crate::plan::{EnvironmentUse, Plan};
+use crate::light::relight::setting::EnvironmentUse;
+use crate::plan::Plan;
 use crate::product::{Compared, Product};
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -61,7 +62,7 @@ impl Plan {
     /// differ. The step between two tones is 1.5 over its softness times as steep as its input; a hard step may move a
     /// pixel to the next tone.
     pub fn relit_tolerance(&self, light: &Illumination) -> Option<f64> {
-        let relighting = self.relighting.as_ref()?;
+        let relighting = self.relighting()?;
         let params = &relighting.params;
         let lobe = lobe_error(&params.material, COSINE_ERROR);
         let seen = match &light.environment {

@@ -1,4 +1,4 @@
-//! Data shared by all stages: planes, the mask, windows, the camera.
+//! Data shared by all stages: planes, the mask, windows, the camera; and passes over it, in recycled memory.
 
 #[cfg(feature = "cli")]
 pub(crate) mod bend;
@@ -14,13 +14,16 @@ pub(crate) mod from_depth;
 pub(crate) mod gap;
 mod light_layers;
 mod mask;
+pub(crate) mod memory;
 mod motion;
 pub(crate) mod normals;
 pub(crate) mod objects;
+pub(crate) mod percentile;
 mod plane;
 mod ray;
 mod reduced;
 mod repair;
+pub(crate) mod rows;
 pub(crate) mod sampling;
 mod sight;
 mod slopes;

@@ -3,8 +3,8 @@
 use crate::command::chosen::Chosen;
 use crate::command::commands::{command_named, long};
 use crate::command::flags::Flag;
-use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Plane};
+use crate::plan::outcome::Outcome;
 use crate::product::Product;
 use crate::work;
 

@@ -1,63 +1,7 @@
 //! The part of a picture that is scaled, and its magnitude, given the light layers present.
 
-use crate::frame::LightLayers;
 use crate::params::{Magnitude, ScalingParams};
-
-/// The light layers available for scaling.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct LightAvailable {
-    /// Lobes of diffuse light.
-    pub diffuse: bool,
-    /// Whether some diffuse light from other surfaces is a separate layer.
-    pub diffuse_indirect: bool,
-    /// Lobes of specular light.
-    pub specular: bool,
-    /// Light groups with directions.
-    pub groups: bool,
-    /// Ambient occlusion.
-    pub occlusion: bool,
-    /// Whether that is found from the shape, not a layer.
-    pub occlusion_is_computed: bool,
-    /// Whether the picture is itself ambient occlusion.
-    pub picture_is_occlusion: bool,
-}
-
-impl LightAvailable {
-    /// No layers, only the picture.
-    pub const NONE: Self = Self {
-        diffuse: false,
-        diffuse_indirect: false,
-        specular: false,
-        groups: false,
-        occlusion: false,
-        occlusion_is_computed: false,
-        picture_is_occlusion: false,
-    };
-
-    /// The layers present in `light`.
-    pub fn of(light: &LightLayers) -> Self {
-        let mut diffuse = light.lobes.iter().filter(|l| l.lobe.is_diffuse());
-        Self {
-            diffuse: diffuse.clone().next().is_some(),
-            diffuse_indirect: diffuse.any(|l| l.indirect.is_some()),
-            specular: light.lobes.iter().any(|l| !l.lobe.is_diffuse()),
-            groups: !light.groups.is_empty(),
-            occlusion: light.occlusion.is_some(),
-            occlusion_is_computed: false,
-            picture_is_occlusion: light.picture_is_occlusion,
-        }
-    }
-
-    /// With the occlusion that the shape has, in place of a layer.
-    #[must_use]
-    pub fn with_computed_occlusion(self) -> Self {
-        Self {
-            occlusion: true,
-            occlusion_is_computed: true,
-            ..self
-        }
-    }
-}
+use crate::plan::{LightAvailable, Plan};
 
 /// The part of the picture that radiance scaling is applied to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,5 +64,18 @@ impl Enhancement {
     /// Whether the picture stays unchanged.
     pub(crate) fn is_idle(&self) -> bool {
         self.magnitude.largest() == 0.0 && self.occlusion == 0.0
+    }
+}
+
+impl Plan {
+    /// Enhancement of the picture, if any.
+    pub(crate) fn enhancement(&self) -> Option<Enhancement> {
+        self.settings.get().copied()
+    }
+
+    /// The part of the picture changed by radiance scaling, if any.
+    pub(crate) fn scaled(&self) -> Option<Subject> {
+        let enhancement = self.enhancement()?;
+        (enhancement.magnitude.largest() > 0.0).then_some(enhancement.subject)
     }
 }

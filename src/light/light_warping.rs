@@ -15,7 +15,7 @@
 //! from [`Warp::direction`] of h, with its intensity times [`Warp::jacobian`] at h. Half vectors of lights do not
 //! depend on the pixel.
 
-use crate::kernel::fast_math::circular::{COT_EIGHTH_PI, TAN_EIGHTH_PI, rest_of_tangent};
+use crate::kernel::fast_math::circular::{COT_EIGHTH_PI, SIXTH, TAN_EIGHTH_PI, rest_of_tangent};
 use crate::kernel::fast_math::{exp, ln, polynomial, select};
 
 /// The factor lambda, from 1/sqrt(3) to sqrt(3), by which a principal curvature `k` (concave positive)
@@ -45,15 +45,6 @@ pub(crate) fn factor(x: f32) -> f32 {
 /// The factor of 1, tan(7 pi/24), and that of infinity, the square root of 3.
 pub(crate) const FACTOR_OF_1: f32 = 1.303_225_4;
 pub(crate) const LARGEST_FACTOR: f32 = 1.732_050_8;
-
-/// Coefficients of tan(atan(y) / 6) / y in powers of y^2, for |y| up to tan(pi/8); 2^-25.8 relative to it.
-pub(crate) const SIXTH: [f32; 5] = [
-    0.166_666_66,
-    -0.054_011_524,
-    0.031_767_994,
-    -0.021_730_65,
-    0.012_416_046,
-];
 
 /// Upper bound of a light's unwarped cosine, as a multiple of its cosine as given.
 ///

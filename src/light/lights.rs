@@ -4,6 +4,9 @@ use super::environment::Environment;
 use super::lit_sphere::LitSphere;
 use crate::error::Result;
 use crate::params::in_range;
+pub use crate::plan::available::LightKinds;
+use crate::plan::execution::Execution;
+pub use crate::plan::outcome::LightChoice;
 use glam::Vec3;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -108,32 +111,6 @@ pub struct Illumination {
     pub lit_spheres: Vec<LitSphere>,
 }
 
-/// The kinds of light present.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct LightKinds {
-    /// Directional lights, area lights included.
-    pub directional: bool,
-    /// Point lights.
-    pub points: bool,
-    /// An environment.
-    pub environment: bool,
-    /// Lit spheres: one, or two for convexities and concavities.
-    pub lit_spheres: u8,
-    /// Whether a directional light is raking: above the picture plane, by less than 45 degrees.
-    pub raking: bool,
-}
-
-impl LightKinds {
-    /// No light.
-    pub const NONE: Self = Self {
-        directional: false,
-        points: false,
-        environment: false,
-        lit_spheres: 0,
-        raking: false,
-    };
-}
-
 impl Illumination {
     /// The kinds of light present.
     pub fn kinds(&self) -> LightKinds {
@@ -155,23 +132,9 @@ pub(crate) fn brightened(mut lights: Vec<DirectionalLight>, gain: f32) -> Vec<Di
     lights
 }
 
-/// What was chosen to stand for an environment, and its error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LightChoice {
-    /// Number of lights.
-    pub lights: usize,
-    /// Number of samples of the highlight at each pixel.
-    pub samples: usize,
-    /// Error on a ball of albedo 0.5, in grey levels of 255, for 99 of 100 of its normals.
-    pub levels: f32,
-}
-
-impl std::fmt::Display for LightChoice {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} lights", self.lights)?;
-        if self.samples > 0 {
-            write!(f, " + {} samples", self.samples)?;
-        }
-        write!(f, ": {:.1} levels", self.levels)
+impl<'a> Execution<'a> {
+    /// New light, if it is given.
+    pub(crate) fn illumination(&self) -> Option<&'a Illumination> {
+        self.inputs.others.get()
     }
 }

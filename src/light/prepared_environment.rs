@@ -2,7 +2,7 @@
 //! in its place. Shared by all backends.
 
 use crate::frame::luminance;
-use crate::kernel::memory::Memory;
+use crate::frame::memory::Memory;
 use crate::light::brdf::{MIRROR_PEAK, mirrored, seen_in_glass};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
@@ -13,8 +13,8 @@ use crate::light::lights::{DirectionalLight, Illumination, LightChoice, brighten
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
 use crate::light::relight::pilot::{Base, Chosen, Sampled, chosen};
+use crate::light::relight::setting::{EnvironmentUse, Relighting};
 use crate::params::{Adaptive, Material, MaterialParams};
-use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,11 +1,11 @@
 //! White levels: chosen from the whole picture, or given.
 
-use crate::engine::cpu::execution::Execution;
 use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
 use crate::params::{Adaptive, Magnitudes};
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::shape::auto_levels::cpu::white_level;
 
@@ -50,7 +50,7 @@ pub(crate) fn chosen_for(plan: &Plan) -> Option<Subject> {
 }
 
 fn decide_white(plan: &Plan) -> Verdict {
-    let Some(enhancement) = plan.enhancement else {
+    let Some(enhancement) = plan.enhancement() else {
         return plan.left_out("no light is asked for");
     };
     match enhancement.subject {

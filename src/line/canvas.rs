@@ -6,8 +6,9 @@ use crate::line::contours::Contour;
 use crate::line::specular::SeenThrough;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
+use crate::plan::execution::Execution;
 use crate::shape::edges::cpu::Weights;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// An unfinished drawing.
 #[derive(Default)]
@@ -28,4 +29,22 @@ pub(crate) struct Canvas {
     pub(crate) coordinates: Option<TextureCoordinates>,
     /// The texture of strokes, unless it is given.
     pub(crate) art_map: Option<Arc<TonalArtMap>>,
+}
+
+impl<'a> Execution<'a> {
+    /// The drawing so far.
+    pub(crate) fn canvas(&self) -> &Canvas {
+        static BLANK: LazyLock<Canvas> = LazyLock::new(Canvas::default);
+        self.handed_on.get().unwrap_or(&BLANK)
+    }
+
+    /// The drawing so far, to be drawn on.
+    pub(crate) fn canvas_mut(&mut self) -> &mut Canvas {
+        self.handed_on.get_mut()
+    }
+
+    /// The texture of strokes that is given, if one is.
+    pub(crate) fn given_art_map(&self) -> Option<&'a TonalArtMap> {
+        self.inputs.others.get()
+    }
 }

@@ -1,13 +1,13 @@
 //! Drawings: the tone of a picture in strokes along the curvature, and lines along its edges.
 
-use crate::engine::cpu::execution::Execution;
-use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::density::{coverage_at, density_table};
 use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
+use crate::plan::drawing::Drawing;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::white_level;
@@ -48,7 +48,7 @@ impl<'a> Drawn<'a> {
     /// The surface of a run as it is seen, also in mirrors and lenses.
     pub(crate) fn of(run: &'a Execution) -> Self {
         let shape = &run.outcome.shape;
-        match &run.canvas.seen {
+        match &run.canvas().seen {
             Some((seen, edges)) => Self {
                 frame: &seen.frame,
                 silhouette: edges.silhouette.as_ref(),
@@ -106,7 +106,7 @@ impl Tone {
         let (plan, frame) = (run.plan, run.frame);
         let params = plan.drawing.as_ref().expect("a tone is of a drawing");
         let mut tone = Self {
-            density: run.canvas.density.take(),
+            density: run.canvas_mut().density.take(),
             made: run.outcome.color.take(),
             white: 1.0,
         };
@@ -149,7 +149,7 @@ fn covering(mut density: Plane) -> Plane {
 
 /// Assembles the drawing from its strokes and the content of the canvas.
 pub(crate) fn finish(run: &mut Execution, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
-    let canvas = std::mem::take(&mut run.canvas);
+    let canvas = std::mem::take(run.canvas_mut());
     let (plan, memory) = (run.plan, run.memory);
     let directions = canvas.directions.into_iter();
     memory.recycle(directions.flat_map(|d| [d.x, d.y]));

@@ -1,8 +1,8 @@
 //! Blocks of pixels as cells of a coarser grid: their means, and interpolation back to pixels.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::map_rows;
 use crate::frame::{Mask, Plane};
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::map_rows;
 use glam::Vec2;
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
 //! From the luminance of a picture to the optical density of the drawing.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::map_rows;
 use crate::frame::{ColorPlanes, Frame, Plane, luminance};
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::map_rows;
 use crate::kernel::simd::wide;
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::BATCH;

@@ -1,11 +1,7 @@
 //! The inputs that a plan is made for.
 
-use crate::frame::{DepthKind, Frame};
-use crate::light::enhancement::LightAvailable;
-use crate::light::lights::{Illumination, LightKinds};
-use crate::light::occlusion_grain::is_grainy;
+use crate::frame::LightLayers;
 use crate::params::{SpecularParams, Style};
-use crate::shape::bends::bends;
 
 /// The inputs that a plan is made for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -53,40 +49,6 @@ pub struct Available {
 }
 
 impl Available {
-    /// The inputs that `frame` holds.
-    pub fn in_frame(frame: &Frame) -> Self {
-        Self {
-            depth: frame.depth.is_some(),
-            bends: bends(frame),
-            is_flat: frame.is_flat_work(),
-            color: frame.color.is_some(),
-            albedo: frame.albedo.is_some(),
-            gloss: frame.light.gloss.is_some(),
-            occlusion: frame.occlusion.is_some(),
-            importance: frame.importance.is_some(),
-            object_angles: frame.stroke_fallback.is_some(),
-            image_height: frame.display_window.height(),
-            image_width: frame.display_window.width(),
-            positions: frame.depth.is_some()
-                && frame.camera.is_some()
-                && frame.source.depth_kind != DepthKind::Relative,
-            grainy_occlusion: is_grainy(frame),
-            is_map: frame.is_map(),
-            normal_rounding: frame.source.normal_rounding,
-            light: LightAvailable::of(&frame.light),
-            ..Self::default()
-        }
-    }
-
-    /// The same inputs, and new light.
-    #[must_use]
-    pub fn lit_by(self, light: &Illumination) -> Self {
-        Self {
-            new_light: light.kinds(),
-            ..self
-        }
-    }
-
     /// The style of a drawing of these: [`Style::Auto`] is an engraving of surfaces that bend, where depth tells them from
     /// what is behind them. Photos and flat faces are clearer in pen, and its strokes move best.
     pub fn style(&self, style: Style) -> Style {
@@ -102,4 +64,86 @@ impl Available {
     pub(crate) fn image_size_px(&self) -> f32 {
         (self.image_width as f32 * self.image_height as f32).sqrt()
     }
+}
+
+/// The light layers available for scaling.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LightAvailable {
+    /// Lobes of diffuse light.
+    pub diffuse: bool,
+    /// Whether some diffuse light from other surfaces is a separate layer.
+    pub diffuse_indirect: bool,
+    /// Lobes of specular light.
+    pub specular: bool,
+    /// Light groups with directions.
+    pub groups: bool,
+    /// Ambient occlusion.
+    pub occlusion: bool,
+    /// Whether that is found from the shape, not a layer.
+    pub occlusion_is_computed: bool,
+    /// Whether the picture is itself ambient occlusion.
+    pub picture_is_occlusion: bool,
+}
+
+impl LightAvailable {
+    /// No layers, only the picture.
+    pub const NONE: Self = Self {
+        diffuse: false,
+        diffuse_indirect: false,
+        specular: false,
+        groups: false,
+        occlusion: false,
+        occlusion_is_computed: false,
+        picture_is_occlusion: false,
+    };
+
+    /// The layers present in `light`.
+    pub fn of(light: &LightLayers) -> Self {
+        let mut diffuse = light.lobes.iter().filter(|l| l.lobe.is_diffuse());
+        Self {
+            diffuse: diffuse.clone().next().is_some(),
+            diffuse_indirect: diffuse.any(|l| l.indirect.is_some()),
+            specular: light.lobes.iter().any(|l| !l.lobe.is_diffuse()),
+            groups: !light.groups.is_empty(),
+            occlusion: light.occlusion.is_some(),
+            occlusion_is_computed: false,
+            picture_is_occlusion: light.picture_is_occlusion,
+        }
+    }
+
+    /// With the occlusion that the shape has, in place of a layer.
+    #[must_use]
+    pub fn with_computed_occlusion(self) -> Self {
+        Self {
+            occlusion: true,
+            occlusion_is_computed: true,
+            ..self
+        }
+    }
+}
+
+/// The kinds of light present.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LightKinds {
+    /// Directional lights, area lights included.
+    pub directional: bool,
+    /// Point lights.
+    pub points: bool,
+    /// An environment.
+    pub environment: bool,
+    /// Lit spheres: one, or two for convexities and concavities.
+    pub lit_spheres: u8,
+    /// Whether a directional light is raking: above the picture plane, by less than 45 degrees.
+    pub raking: bool,
+}
+
+impl LightKinds {
+    /// No light.
+    pub const NONE: Self = Self {
+        directional: false,
+        points: false,
+        environment: false,
+        lit_spheres: 0,
+        raking: false,
+    };
 }

@@ -2,12 +2,17 @@
 //! touches no pixel.
 
 pub(crate) mod available;
+pub(crate) mod drawing;
+pub(crate) mod execution;
+pub(crate) mod frame_cache;
 pub(crate) mod goal;
+pub(crate) mod outcome;
 pub(crate) mod planned;
+#[cfg(feature = "gpu")]
+pub(crate) mod recording;
 pub(crate) mod stage;
+pub(crate) mod watch;
 
-pub use crate::light::enhancement::LightAvailable;
-pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
-pub use crate::plan::available::Available;
+pub use crate::plan::available::{Available, LightAvailable};
 pub use crate::plan::goal::{Goal, Tone};
 pub use crate::plan::planned::{Decision, Plan, Points};

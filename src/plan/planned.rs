@@ -1,15 +1,13 @@
 //! The plan and its decisions.
 
 use crate::frame::{Frame, Window};
-use crate::light::enhancement::{Enhancement, Subject};
-use crate::light::relight::setting::Relighting;
+use crate::kernel::shelf::Shelf;
 use crate::params::{
     Background, ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
 };
 use crate::plan::available::Available;
 use crate::plan::stage::{Makes, Stage};
 use crate::product::Product;
-use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,10 +54,6 @@ pub struct Plan {
     pub(crate) shape: ShapeParams,
     /// Radiance scaling.
     pub(crate) scaling: ScalingParams,
-    /// The part of the picture changed by radiance scaling.
-    pub(crate) enhancement: Option<Enhancement>,
-    /// Relighting, if any.
-    pub(crate) relighting: Option<Relighting>,
     /// Whether the picture is the curvature display.
     pub(crate) display: bool,
     /// Drawing of the picture, if any.
@@ -74,8 +68,8 @@ pub struct Plan {
     pub(crate) shows_shape: bool,
     /// Tracing of specular pixels, if any.
     pub(crate) specular: Option<SpecularParams>,
-    /// Diffusion schedule of the gradient.
-    pub(crate) sweeps: DiffusionSchedule,
+    /// What stages found for themselves when the plan was made.
+    pub(crate) settings: Shelf,
     /// Sigmas of further scales, in pixels of the reference.
     pub(crate) more_px: Vec<f32>,
     /// Pixels of the frame per pixel of the reference, the unit of curvature; 1 without a [reference
@@ -198,13 +192,6 @@ impl Plan {
         self.wanted.contains(&product)
     }
 
-    /// Whether it takes the frame whole, and not in strips: for heights, skies, shadows, or light turned to the form.
-    pub(crate) fn takes_whole(&self) -> bool {
-        let is_lit_whole = |lit: &Relighting| lit.casting.any() || lit.aligns || lit.rakes;
-        self.relighting.as_ref().is_some_and(is_lit_whole)
-            || self.wanted.iter().any(|product| product.row().on_request)
-    }
-
     /// How the background of the drawing is drawn, if there is one.
     pub(crate) fn background(&self) -> Option<Background> {
         self.drawing.as_ref().map(|params| params.tone.background)
@@ -221,24 +208,7 @@ impl Plan {
         self.wants(Product::Trace) || self.wants(Product::Hessian)
     }
 
-    /// The part of the picture changed by radiance scaling, if any.
-    pub(crate) fn scaled(&self) -> Option<Subject> {
-        let scaled = self
-            .enhancement
-            .filter(|enhancement| enhancement.magnitude.largest() > 0.0);
-        scaled.map(|enhancement| enhancement.subject)
-    }
-
-    /// Whether the picture is computed rather than copied from the input.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn makes_picture(&self) -> bool {
-        self.enhancement
-            .is_some_and(|enhancement| !enhancement.is_idle())
-            || self.relighting.is_some()
-            || self.display
-    }
-
-    /// The stages that run, in order, named as in [`crate::engine::outcome::Outcome::timings`].
+    /// The stages that run, in order, named as in [`crate::plan::outcome::Outcome::timings`].
     pub fn stages(&self) -> Vec<&'static str> {
         self.stages.iter().map(|stage| stage.name).collect()
     }

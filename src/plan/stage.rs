@@ -1,11 +1,11 @@
 //! The description of a stage, shared by plans, executors and caches.
 
-use crate::engine::cpu::execution::Execution;
-#[cfg(feature = "gpu")]
-use crate::engine::gpu::recording::Recording;
 #[cfg(feature = "gpu")]
 use crate::error::Result;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
+#[cfg(feature = "gpu")]
+use crate::plan::recording::Recording;
 use crate::product::Product;
 
 /// A stage: one pass over the frame, or several that belong together.

@@ -26,7 +26,7 @@ pub(super) fn ladders(subject: &ReportSubject) -> Vec<Ladder> {
     let steps = shape.diffusion_time() / f64::from(shape.time_step);
     let has_steps = !matches!(shape.scale, Scale::Mixed(_)) && steps <= MOST_STEPS;
     let is_expanded = diffuses && has_steps && shape.solver == Solver::Chebyshev;
-    let is_relit = plan.is_some_and(|plan| plan.relighting.is_some());
+    let is_relit = plan.is_some_and(|plan| plan.relighting().is_some());
     let samples = subject
         .command
         .work()

@@ -4,16 +4,13 @@
 //! directions are warped in stereographic coordinates by eigenvectors, and the scaling is the printed fraction. It
 //! starts from the backend's Hessian and gain, so that it shows the error of lighting alone.
 
-use crate::engine::{Engine, Inputs, Run};
-use crate::error::Result;
 use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
 use crate::params::{
     Adaptive, AlbedoSource, Magnitude, Material, MaterialParams, Method, RelightParams, Samples,
-    ScalingParams, ShapeParams, Tangent,
+    ScalingParams, Tangent,
 };
-use crate::plan::{Available, Goal, Plan};
 use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -69,7 +66,7 @@ pub fn white(material: Material, method: Method, samples: Samples) -> RelightPar
 }
 
 impl Pixel {
-    /// The pixel at column `x`, row `y`, of a frame with this [`fn@hessian`], with the grain at `grain_deg` degrees in
+    /// The pixel at column `x`, row `y`, of a frame with this Hessian, of the height in pixels, with the grain at `grain_deg` degrees in
     /// the picture.
     pub fn of(
         frame: &Frame,
@@ -93,17 +90,6 @@ impl Pixel {
             hessian: [at(&hessian.xx), at(&hessian.xy), at(&hessian.yy)],
         }
     }
-}
-
-/// The backend's Hessian, which relighting does not output.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn hessian(frame: &Frame, shape: ShapeParams) -> Result<SymmetricPlanes> {
-    let scaling = ScalingParams::default();
-    let plan = Plan::new(Goal::LAYERS, Available::in_frame(frame), shape, scaling)?;
-    let outcome = Engine::cpu().execute(&plan, frame, Inputs::default(), &Run::new())?;
-    Ok(outcome.shape.hessian.expect("layers hold it"))
 }
 
 /// Mean and half the difference of the principal curvatures, and the direction of the larger.

@@ -6,11 +6,11 @@
 //! 15 % at most, so the mean of places is near that of directions; slopes grow without bound toward silhouettes, and
 //! components alone would turn a slanted rough surface to the viewer.
 
-use crate::engine::cpu::execution::Execution;
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{Vector2Planes, Vector3Planes, parallel_rows};
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::params::MAX_SIGMA_PX;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::shape::diffusion::stage::spread;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::edges::stage::EDGES;

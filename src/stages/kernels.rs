@@ -1,6 +1,6 @@
 //! The list of all kernels, for code that iterates over them; passes do not use it.
 
-use crate::engine::gpu::kernels::Kernel;
+use crate::gpu::kernels::Kernel;
 use crate::light::radiance_scaling::gpu::SCALE_PICTURE;
 use crate::light::relight::gpu::RELIGHT;
 use crate::line::hatching::gpu::{DENSITY, PICTURE_STROKES, STROKES};

@@ -1,5 +1,6 @@
 //! All stages, in the order of execution, and the plan that they make of a request.
 
+mod available;
 #[cfg(feature = "gpu")]
 pub(crate) mod kernels;
 pub(crate) mod resolve;

@@ -2,6 +2,7 @@
 //! earlier one decides.
 
 use crate::error::{Error, Result};
+use crate::kernel::shelf::Shelf;
 use crate::light::enhancement::Enhancement;
 use crate::light::relight::setting::Relighting;
 use crate::params::{
@@ -66,11 +67,19 @@ impl Plan {
             }
             _ => None,
         };
+        let factor = resolution_factor;
+        let mut settings = Shelf::default();
+        settings.put(DiffusionSchedule::new(
+            &shape,
+            factor,
+            more_px,
+            available.importance,
+        ));
+        enhancement.into_iter().for_each(|own| settings.put(own));
+        relighting.into_iter().for_each(|own| settings.put(own));
         let plan = Self {
             shape,
             scaling,
-            enhancement,
-            relighting,
             display: goal == Goal::Display,
             drawing,
             inks_strokes: true,
@@ -78,12 +87,7 @@ impl Plan {
             line_scale,
             shows_shape: matches!(goal, Goal::Hatch(Tone::Shape(_), line) if !line.lines_only),
             specular: available.specular,
-            sweeps: DiffusionSchedule::new(
-                &shape,
-                resolution_factor,
-                more_px,
-                available.importance,
-            ),
+            settings,
             more_px: more_px.to_vec(),
             resolution_factor,
             points: match available.positions {
@@ -196,9 +200,9 @@ fn refuse_several_scales(shape: &ShapeParams, more_px: &[f32], available: Availa
 mod tests {
     use super::*;
     use crate::frame::gap::GAP_REACH;
-    use crate::light::enhancement::LightAvailable;
     use crate::light::lights::LightKinds;
     use crate::line::direction::FILL_REACH_PX;
+    use crate::plan::LightAvailable;
     use crate::product::Product;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
@@ -305,7 +309,7 @@ mod tests {
     #[test]
     fn reaches_add_up() {
         let enhanced = plan(Goal::Enhance, DEPTH, 50);
-        assert_eq!(enhanced.reach(), GAP_REACH + enhanced.sweeps.count() + 1);
+        assert_eq!(enhanced.reach(), GAP_REACH + enhanced.sweeps().count() + 1);
         assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), GAP_REACH + 1);
         let layers = plan(Goal::LAYERS, DEPTH, 50);
         let directions = GAP_REACH + layers.direction_steps_px[1] + FILL_REACH_PX;

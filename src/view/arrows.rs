@@ -1,6 +1,6 @@
 //! Short strokes along the directions of curvature, on a grid.
 
-use crate::engine::outcome::Outcome;
+use crate::plan::outcome::Outcome;
 
 /// Spacing of strokes in pixels, at step 1.
 const GRID: usize = 14;

@@ -2,9 +2,9 @@
 
 use super::flow;
 use super::look::{Pixels, Said, What};
-use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};
+use crate::plan::outcome::Outcome;
 use crate::product::{Product, Shown};
 
 /// The command that draws lines.

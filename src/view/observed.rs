@@ -38,7 +38,7 @@ impl View {
     }
 
     /// How often each pass has run on the open frame, named as in
-    /// [`Outcome::timings`](crate::engine::outcome::Outcome::timings).
+    /// [`Outcome::timings`](crate::plan::outcome::Outcome::timings).
     pub fn counts(&self) -> BTreeMap<&'static str, u32> {
         self.shown
             .as_ref()

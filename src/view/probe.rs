@@ -1,7 +1,7 @@
 //! The values at a pixel.
 
-use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::plan::outcome::Outcome;
 use crate::product::Product;
 use crate::shape::curvature::{mapped_curvature, principal_curvatures};
 

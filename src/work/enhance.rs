@@ -4,7 +4,6 @@ use super::{FrameSeen, FrameWork};
 use crate::command::args::WorkArgs;
 use crate::command::commands::EnhanceArgs;
 use crate::command::named::Named;
-use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::error::{Result, bad};
 use crate::frame::{Frame, LightLayers};
@@ -14,6 +13,7 @@ use crate::io::output::picture::MadePicture;
 use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
+use crate::plan::outcome::Outcome;
 use crate::plan::{Available, LightAvailable, Plan};
 
 impl FrameWork for EnhanceArgs {

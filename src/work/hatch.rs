@@ -7,7 +7,6 @@ use crate::command::line_args::HatchArgs;
 use crate::command::motion_arg::MotionArg;
 use crate::command::named::Named;
 use crate::command::relight_args::RelightArgs;
-use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::error::{Error, Result, bad};
 use crate::frame::{Frame, Window};
@@ -27,6 +26,7 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
     Enlargement, Ink, LineParams, ObjectLines, StrokeParams, StrokeScale, Style, ToneSource,
 };
+use crate::plan::outcome::Outcome;
 use crate::plan::{Available, Plan};
 use std::path::Path;
 

@@ -4,7 +4,6 @@ use super::{FrameSeen, FrameWork, dark_rims};
 use crate::command::args::WorkArgs;
 use crate::command::named::{Named, given};
 use crate::command::relight_args::{LightNumbers, RelightArgs};
-use crate::engine::outcome::Outcome;
 use crate::engine::request::{Request, is_dark};
 use crate::error::{Result, bad};
 use crate::frame::Frame;
@@ -20,6 +19,7 @@ use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Bend, MAX_LIGHTS, Params, Raking, RelightParams, Samples,
     SpecularParams, in_range,
 };
+use crate::plan::outcome::Outcome;
 use crate::plan::{Available, Goal, Plan};
 use glam::Vec3;
 use std::sync::Arc;
@@ -118,9 +118,7 @@ impl FrameWork for RelightArgs {
         };
         let request = Request::new(Goal::Relight(self.params()), params);
         let mut plan = request.plan(available)?;
-        if let Some(relighting) = &mut plan.relighting {
-            relighting.estimate = seen.found.albedo;
-        }
+        plan.with_estimate(seen.found.albedo);
         Ok(vec![plan])
     }
 

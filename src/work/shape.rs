@@ -4,7 +4,6 @@ use super::{FrameSeen, FrameWork};
 use crate::command::args::WorkArgs;
 use crate::command::commands::ShapeArgs;
 use crate::command::output::MOST_PLANES;
-use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::error::{Result, bad};
 use crate::frame::Frame;
@@ -16,6 +15,7 @@ use crate::io::output::names_of;
 use crate::io::output::picture::MadePicture;
 use crate::io::{Loaded, Needs};
 use crate::light::lights::Illumination;
+use crate::plan::outcome::Outcome;
 use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
 

@@ -1,13 +1,11 @@
 //! The CPU backend: rows in parallel by rayon, the same bits for any number of threads.
 
-pub(crate) mod execution;
-pub(crate) mod frame_cache;
 #[cfg(feature = "cli")]
 pub(crate) mod row_layers;
 pub(crate) mod runner;
 pub(crate) mod strips;
 
-pub(crate) use crate::engine::cpu::execution::Runner;
+pub(crate) use crate::plan::execution::Runner;
 
 /// Runs a plan without inputs beside `frame`, in the caller's rayon pool.
 #[cfg(all(test, feature = "gpu"))]

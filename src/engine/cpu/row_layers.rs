@@ -1,16 +1,17 @@
 //! Layers whose last stages run while they are written: what some rows tell is never there as a whole.
 
-use crate::engine::cpu::execution::{Execution, Runner};
 use crate::engine::cpu::runner::lengths_for;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Outcome;
 use crate::engine::tiles::rows_of;
-use crate::engine::watch::Watch;
 use crate::error::Result;
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::plan::Plan;
+use crate::plan::execution::Given;
+use crate::plan::execution::{Execution, Runner};
+use crate::plan::outcome::Outcome;
 use crate::plan::stage::Stage;
+use crate::plan::watch::Watch;
 use std::ops::Range;
 
 /// Layers of a frame, with the stages that remain to be run on rows of them.
@@ -59,7 +60,7 @@ impl Runner {
             memory,
             watch,
             lengths,
-            ..Execution::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs.given())
         };
         run.go_through(whole)?;
         let (mut outcome, more_gradients) = (run.outcome, run.more_gradients);
@@ -115,7 +116,7 @@ impl<'a> RowLayers<'a> {
             memory: &self.memory,
             outcome: self.outcome.shape_mapped(cut),
             more_gradients: more,
-            ..Execution::new(self.runner, plan, &strip, Inputs::default())
+            ..Execution::new(self.runner, plan, &strip, Given::default())
         };
         run.go_through(self.rest.iter().copied())?;
         Ok(LaidRows {

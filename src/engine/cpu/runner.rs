@@ -1,20 +1,22 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
-use crate::engine::cpu::execution::{Execution, Interim, Runner};
-use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::part::FramePart;
-use crate::engine::watch::Watch;
 use crate::error::Result;
+use crate::frame::memory::Memory;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Vector3Planes, Window};
-use crate::kernel::memory::Memory;
+use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::direction_field::patches::Patches;
 use crate::line::specular;
+use crate::line::specular::map_directions::DirectionCache;
 use crate::params::LineParams;
 use crate::plan::Plan;
+use crate::plan::execution::{Execution, Interim, Runner};
+use crate::plan::frame_cache::FrameCache;
+use crate::plan::outcome::{Outcome, Shape};
 use crate::plan::stage::{Makes, Stage};
+use crate::plan::watch::Watch;
 use crate::product::Product;
 use crate::shape::edges::cpu as edges;
 
@@ -46,7 +48,7 @@ impl Runner {
             memory,
             watch,
             kept,
-            ..Execution::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs.given())
         };
         run.go_through(plan.stages.iter().copied())?;
         Ok(run.outcome)
@@ -74,7 +76,7 @@ impl Runner {
         let memory = &self.memory.for_run(watch.token());
         let lines = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
         let finds_shadows = lines.is_some_and(|lines| lines.has_shadows());
-        if plan.relighting.is_none() && !finds_shadows {
+        if plan.relighting().is_none() && !finds_shadows {
             let albedo = frame.albedo.take().into_iter();
             memory.recycle(albedo.flat_map(|ColorPlanes { r, g, b }| [r, g, b]));
         }
@@ -97,7 +99,7 @@ impl Runner {
                 watch,
                 normals,
                 lengths,
-                ..Execution::new(self, plan, frame, inputs).after(interim)
+                ..Execution::new(self, plan, frame, inputs.given()).after(interim)
             };
             let read_later = taken_by(later, plan);
             run.read_last = (stage.takes)(plan);
@@ -120,7 +122,7 @@ impl Runner {
         watch: Watch,
     ) -> Result<Outcome> {
         if changed.width() == 0 {
-            let relit = plan.relighting.as_ref();
+            let relit = plan.relighting();
             return Ok(Outcome {
                 color: whole.color.clone().filter(|_| relit.is_some()),
                 takes_picture: relit.is_some_and(|relit| relit.takes_picture()),
@@ -132,7 +134,7 @@ impl Runner {
             memory: &self.memory.for_run(watch.token()).at_other_size(),
             watch,
             whole: Some(whole),
-            ..Execution::new(self, plan, &part.frame, part.inputs(inputs))
+            ..Execution::new(self, plan, &part.frame, part.inputs(inputs).given())
         };
         run.go_through(plan.stages.iter().copied())?;
         let mut outcome = run.outcome;
@@ -168,7 +170,7 @@ impl Runner {
         params: &LineParams,
     ) -> Vec<Vector2Planes> {
         assert!(plan.wants(Product::Conductance), "strokes stop at edges");
-        let (kept, memory) = (&self.map_directions, &self.memory);
+        let (kept, memory) = (&self.caches.of::<DirectionCache>(), &self.memory);
         let through = inputs.specular.zip(plan.specular);
         let seen = through.and_then(|(scene, specular)| {
             specular::seen_through(plan, frame, scene, &specular, params, kept, memory)
@@ -191,7 +193,7 @@ impl Runner {
 
     /// Drops the prepared environment, so that benchmarks measure its preparation again.
     pub(crate) fn forget_environment(&self) {
-        self.environment.forget();
+        self.caches.of::<EnvironmentCache>().forget();
     }
 
     /// Reclaims the memory of an outcome.
@@ -203,9 +205,9 @@ impl Runner {
 /// The part of the frame that a plan changes, where it and its margin are no more than half of it: all other pixels are
 /// those of the picture. `None` for plans that make more, and for new light that reaches all of a frame.
 fn changed_part(plan: &Plan, frame: &Frame) -> Option<Window> {
-    let is_relit = plan.relighting.is_some() && plan.specular.is_none();
+    let is_relit = plan.relighting().is_some() && plan.specular.is_none();
     let is_masked = is_relit && frame.color.is_some() && frame.strength.is_some();
-    if (plan.enhancement.is_none() && !is_masked) || plan.drawing.is_some() {
+    if (plan.enhancement().is_none() && !is_masked) || plan.drawing.is_some() {
         return None;
     }
     let (whole, pixels) = (frame.data_window, |w: Window| w.width() * w.height());
@@ -295,8 +297,8 @@ impl Execution<'_> {
 mod tests {
     use super::*;
     use crate::frame::Mask;
+    use crate::frame::rows::map_covered;
     use crate::kernel::cancel::CancelToken;
-    use crate::kernel::rows::map_covered;
     use crate::light::lights::{DirectionalLight, Illumination};
     use crate::params::{
         Adaptive, AlbedoSource, Method, RelightParams, RunOptions, ScalingParams, ShapeParams,

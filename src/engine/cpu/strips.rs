@@ -1,19 +1,20 @@
 //! Automatic choices from a whole picture that is processed in strips.
 
-use crate::engine::cpu::execution::{Execution, Runner};
-use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Shape;
 use crate::error::Result;
+use crate::frame::percentile::Sample;
 use crate::frame::{Extent, Frame, Window};
-use crate::kernel::percentile::Sample;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::enhancement::Subject;
 use crate::light::layers::white_search::add_to_searches;
 use crate::light::relight::albedo_search::AlbedoSearch;
+use crate::light::relight::setting::Albedo;
 use crate::light::white_level::chosen_for;
 use crate::params::{Adaptive, ScalingParams};
+use crate::plan::Plan;
+use crate::plan::execution::Given;
+use crate::plan::execution::{Execution, Runner};
+use crate::plan::outcome::Shape;
 use crate::plan::stage::Makes;
-use crate::plan::{Albedo, Plan};
 use crate::product::Product;
 use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::cpu::{luminance_at, white_of};
@@ -58,7 +59,7 @@ impl StripSearch {
     pub(crate) fn new(plan: &Plan, whole: Window) -> Option<Self> {
         let size = [whole.width(), whole.height()];
         let factor = plan.resolution_factor as f32;
-        let relighting = plan.relighting.as_ref();
+        let relighting = plan.relighting();
         let estimates_albedo = relighting.is_some_and(|r| r.albedo == Albedo::Estimate);
         let search = Self {
             whole,
@@ -103,7 +104,7 @@ impl StripSearch {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-            let mut run = Execution::new(runner, &given, strip, Inputs::default());
+            let mut run = Execution::new(runner, &given, strip, Given::default());
             let of_shape = given
                 .stages
                 .iter()

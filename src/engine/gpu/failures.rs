@@ -1,15 +1,15 @@
 //! Tests: devices that are lost, have too little memory, or absurd limits.
 
 use crate::engine::cpu;
-use crate::engine::gpu::device::{Choice, Device, to_test_on};
-use crate::engine::gpu::fault::{Fault, watched};
-use crate::engine::gpu::limits;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Outcome;
 use crate::error::Error;
 use crate::frame::Frame;
+use crate::gpu::device::{Choice, Device, to_test_on};
+use crate::gpu::fault::{Fault, watched};
+use crate::gpu::limits;
 use crate::params::{Scale, ScalingParams, ShapeParams};
+use crate::plan::outcome::Outcome;
 use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
 use crate::scenes::Scene;

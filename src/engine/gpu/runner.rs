@@ -1,29 +1,30 @@
 //! The GPU from the caller's side: plans run one after another, in memory kept on the device.
 
 use crate::engine::cpu;
-use crate::engine::cpu::execution::Execution;
 use crate::engine::cpu::runner::taken_by;
-use crate::engine::gpu::buffers::Buffers;
-use crate::engine::gpu::device::Device;
-use crate::engine::gpu::fault::{Fault, watched};
-use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, Timings, UPLOAD};
-use crate::engine::gpu::recording::{PICTURE, Recording};
-use crate::engine::gpu::surface::deinterleave;
-use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Outcome;
-use crate::engine::outcome::add_timings;
-use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane};
+use crate::gpu::buffers::Buffers;
+use crate::gpu::device::Device;
+use crate::gpu::fault::{Fault, watched};
+use crate::gpu::recorder::{Programs, READ_BACK, Recorder, Timings, UPLOAD};
+use crate::gpu::surface::deinterleave;
+use crate::gpu::wait::wait_for;
 use crate::kernel::last::Last;
-use crate::kernel::memory::Memory;
+use crate::kernel::shelf::Lent;
+use crate::kernel::timings::add_timings;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::hatching::gpu_texture::Texture;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
+use crate::plan::outcome::Outcome;
+use crate::plan::recording::{PICTURE, Recording};
 use crate::plan::stage::Stage;
+use crate::plan::watch::Watch;
 use crate::product::Product;
 use crate::shape::curvature::gpu::HESSIAN_PLANES as HESSIAN;
 use std::collections::BTreeMap;
@@ -33,7 +34,7 @@ use std::time::Instant;
 #[derive(Clone, Copy)]
 pub(crate) struct Beside<'a> {
     inputs: Inputs<'a>,
-    light: Option<&'a Light<'a>>,
+    light: Option<&'a Light>,
     /// Memory for the parts run on the CPU.
     memory: &'a Memory,
     watch: Watch<'a>,
@@ -118,7 +119,7 @@ impl Runner {
         self.check_size(plan, frame)?;
         let memory = &self.host.memory.for_run(watch.token());
         self.guarded(|| {
-            let lit = plan.relighting.as_ref().and(inputs.illumination);
+            let lit = plan.relighting().and(inputs.illumination);
             let light = lit.map(|lit| self.light.light(&self.device, plan, frame, lit, watch));
             let light = light.transpose()?;
             let beside = Beside {
@@ -129,12 +130,12 @@ impl Runner {
             };
             let mut outcome = self.run(plan, frame, beside)?;
             if let Some(light) = light {
-                outcome.environment_gain = light.around.gain();
-                outcome.takes_picture = plan.relighting.is_some_and(|lit| lit.takes_picture());
-                if let Some(lit) = &plan.relighting {
+                outcome.environment_gain = light.around().gain();
+                outcome.takes_picture = plan.relighting().is_some_and(|lit| lit.takes_picture());
+                if let Some(lit) = plan.relighting() {
                     outcome.casts_shadows = lit.casting.choices();
                 }
-                outcome.light_choice = light.around.choice();
+                outcome.light_choice = light.around().choice();
                 outcome.timings.splice(0..0, light.timings);
             }
             Ok(outcome)
@@ -188,7 +189,7 @@ impl Runner {
         Execution {
             memory: beside.memory,
             watch: beside.watch,
-            ..Execution::new(&self.host, plan, frame, beside.inputs)
+            ..Execution::new(&self.host, plan, frame, beside.inputs.given())
         }
     }
 
@@ -203,7 +204,7 @@ impl Runner {
         let mut run = Recording {
             plan,
             frame,
-            light: beside.light,
+            lent: Lent::of(beside.light, Some(&self.texture)),
             device: &self.device,
             buffers: &self.buffers,
             recorder: Recorder::new(&self.device, &self.programs, &self.buffers),
@@ -211,9 +212,7 @@ impl Runner {
             planes: BTreeMap::new(),
             more_gradients: Vec::new(),
             more_curvatures: Vec::new(),
-            importance: None,
             host: self.host_run(plan, frame, beside),
-            texture: &self.texture,
             at_work: None,
             waited: Timings::new(),
             held: Vec::new(),

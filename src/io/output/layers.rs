@@ -1,8 +1,8 @@
 //! Results as layers of an EXR.
 
-use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::exr::{OutputChannel, OutputType};
+use crate::plan::outcome::{Outcome, ScaleShape};
 use crate::product::Product;
 
 /// Colour planes as channels, with alpha where the picture has one.

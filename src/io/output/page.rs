@@ -1,10 +1,11 @@
 //! A drawing's lines on a page.
 
-use crate::engine::outcome::{Drawing, PageExtent};
 use crate::error::{Error, Result};
 use crate::io::svg::{self, write_svg};
 use crate::line::contours::Contour;
 use crate::params::Params;
+use crate::plan::drawing::Drawing;
+use crate::plan::outcome::PageExtent;
 use glam::Vec2;
 use std::path::Path;
 

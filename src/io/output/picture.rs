@@ -1,13 +1,13 @@
 //! The picture of a result, and what a display has of it.
 
 use super::rec709::{converted, rec709_from};
-use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::colorspace::Chromaticities;
 use crate::io::picture::{Bright, Brightness, Display, Picture, ViewTransform};
 use crate::line::bilevel::bilevel;
 use crate::line::paper::on_paper;
 use crate::params::{DisplayParams, DisplayView, Exposure, Highlights, Ink, Params};
+use crate::plan::outcome::Outcome;
 use std::borrow::Cow;
 
 /// A result picture.

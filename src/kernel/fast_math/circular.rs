@@ -49,6 +49,15 @@ pub(crate) const COT_EIGHTH_PI: f32 = 2.414_213_7;
 /// pi/2 minus the nearest f32.
 pub(crate) const PI_2_LOW: f32 = -4.371_139e-8;
 
+/// Coefficients of tan(atan(y) / 6) / y in powers of y^2, for |y| up to tan(pi/8); 2^-25.8 relative to it.
+pub(crate) const SIXTH: [f32; 5] = [
+    0.166_666_66,
+    -0.054_011_524,
+    0.031_767_994,
+    -0.021_730_65,
+    0.012_416_046,
+];
+
 /// Coefficients of (atan(t) - t) / t^3 in powers of t^2, for |t| up to tan(pi/8); 2^-30 relative to atan(t).
 pub(crate) const ATAN: [f32; 5] = [
     -0.333_333_16,

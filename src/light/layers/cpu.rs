@@ -1,9 +1,9 @@
 //! Radiance scaling of the light layers of a frame: all terms of a row in turn, rows in parallel.
 
+use crate::frame::memory::Memory;
+use crate::frame::percentile::percentile;
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes, parallel_rows};
-use crate::kernel::memory::Memory;
-use crate::kernel::percentile::percentile;
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::kernel::simd::wide;
 use crate::light::layers;
 use crate::light::layers::terms::LightTerm;

@@ -1,12 +1,12 @@
 //! Radiance scaling of separate light layers.
 
-use crate::engine::cpu::execution::Execution;
 use crate::frame::ColorPlanes;
 use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::{self, Curvature};
 use crate::light::layers::terms::light_terms;
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -80,7 +80,7 @@ fn decide_lobes(plan: &Plan) -> Verdict {
 
 fn decide_occlusion(plan: &Plan) -> Verdict {
     let light = plan.available.light;
-    let why_not = match (plan.enhancement, plan.scaling.scaling_ambient) {
+    let why_not = match (plan.enhancement(), plan.scaling.scaling_ambient) {
         (None, _) => "no light is asked for",
         (Some(own), _) if own.occlusion > 0.0 => {
             return Verdict::runs(format!("magnitude {}", own.occlusion));

@@ -2,8 +2,8 @@
 
 use super::cpu::Absent;
 use super::terms::light_terms;
+use crate::frame::percentile::Sample;
 use crate::frame::{Extent, Frame};
-use crate::kernel::percentile::Sample;
 use crate::params::ScalingParams;
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! Radiance scaling of a finished picture, row by row.
 
 use crate::frame::luminance;
+use crate::frame::memory::Memory;
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{ColorPlanes, Mask, Plane, parallel_rows};
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::kernel::simd::wide;
 use crate::light::radiance_scaling::{limited, scaled, scaling};
 use crate::params::Magnitude;

@@ -1,12 +1,12 @@
 //! Radiance scaling of a picture on the device.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::F32;
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::F32;
+use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
+use crate::plan::recording::Recording;
 use crate::shape::curvature::gpu::MAPPED_CURVATURE;
 
 /// The scaling of light by curvature.

@@ -1,10 +1,10 @@
 //! Radiance scaling of the picture as a whole.
 
-use crate::engine::cpu::execution::Execution;
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::params::Magnitude;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -22,7 +22,7 @@ pub(crate) static RADIANCE_SCALING: Stage = Stage {
 };
 
 fn decide(plan: &Plan) -> Verdict {
-    let by_layers = match plan.enhancement.map(|enhancement| enhancement.subject) {
+    let by_layers = match plan.enhancement().map(|enhancement| enhancement.subject) {
         Some(Subject::Groups) => "light groups are scaled instead",
         _ => "its lobes are scaled instead",
     };
@@ -39,7 +39,7 @@ impl Plan {
         why_not: &str,
         why: impl FnOnce(Magnitude) -> String,
     ) -> Verdict {
-        match self.enhancement {
+        match self.enhancement() {
             None => self.left_out("no light is asked for"),
             Some(own) if own.subject != subject => self.left_out(why_not),
             Some(own) if own.magnitude.largest() == 0.0 => self.left_out("a magnitude of 0"),

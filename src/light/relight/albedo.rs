@@ -2,12 +2,12 @@
 
 #[cfg(feature = "gpu")]
 use crate::frame::ColorPlanes;
+#[cfg(feature = "gpu")]
+use crate::frame::memory::Memory;
+use crate::frame::percentile::percentile;
+#[cfg(feature = "gpu")]
+use crate::frame::rows::map_covered;
 use crate::frame::{Frame, Vector3Planes, luminance};
-#[cfg(feature = "gpu")]
-use crate::kernel::memory::Memory;
-use crate::kernel::percentile::percentile;
-#[cfg(feature = "gpu")]
-use crate::kernel::rows::map_covered;
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! The estimate of the albedo, found a strip at a time.
 
 use super::albedo::{BRIGHT, fitted, luminance_over};
+use crate::frame::percentile::Sample;
 use crate::frame::{Extent, Frame};
-use crate::kernel::percentile::Sample;
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use std::ops::Range;

@@ -1,12 +1,11 @@
 //! Relighting on the device: one kernel for every covered pixel.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::F32;
-use crate::engine::gpu::wgsl::wgsl;
 use crate::frame::{ColorPlanes, DepthKind, Frame};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::sight::{is_eye_far, starts, to_eye};
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::F32;
+use crate::gpu::wgsl::wgsl;
 use crate::light::batch::SHORTEST_TANGENT;
 use crate::light::brdf::{BASE_SCALE, FAINTEST, GRAZING, Lobes};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
@@ -15,10 +14,12 @@ use crate::light::prepared_environment::Used;
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::light::relight::gpu_lights::{Light, Placed, relighting};
 use crate::light::relight::rim::light_rims;
+use crate::light::relight::setting::{Albedo, Relighting};
 use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
 use crate::params::{Magnitudes, Material, Quantisation, Tangent};
-use crate::plan::{Albedo, Plan, Relighting};
+use crate::plan::Plan;
+use crate::plan::recording::Recording;
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
 uniforms! {
@@ -33,7 +34,7 @@ uniforms! {
         /// Intensity of each even direction for a radiance of 1.
         even_share: f32,
         /// The direction to the eye, scaled to z = 1, and the origin of parallel sight lines, as
-        /// [`linear`](crate::engine::gpu::sight::linear) has them.
+        /// [`linear`](crate::gpu::sight::linear) has them.
         to_eye: vec4,
         start: vec4,
         /// Whether depth is measured along sight lines rather than along the view axis.
@@ -133,7 +134,7 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams>(
 /// Relights the frame, with its albedo if that is not white: the resulting colours of covered pixels.
 pub(crate) fn relight(run: &mut Recording) {
     let (plan, frame) = (run.plan, run.frame);
-    let light = run.light.expect("new light has lights");
+    let light = run.lent.get::<Light>().expect("new light has lights");
     let relighting = relighting(plan);
     let (has_hessian, has_trace) = (run.has("hessian_xx"), run.has("trace"));
     let depth = frame.depth.as_ref().filter(|_| light.counts.points > 0);
@@ -186,7 +187,7 @@ pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
 /// Switches of `relight.wgsl` shared by all frames in this light.
 fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14] {
     let is = |kind: Material| relighting.params.material.material == kind;
-    let used = &light.around.ready.used;
+    let used = &light.ready.used;
     let lobes = Lobes::of(&relighting.params.material, false);
     let is_covered = matches!(relighting.albedo, Albedo::Layer | Albedo::Picture);
     [
@@ -200,7 +201,7 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14
         ("MIRRORED", matches!(used, Used::Mirrored(_))),
         ("GLASS", is(Material::Glass)),
         ("LIT_SPHERE", matches!(used, Used::LitSpheres(_))),
-        ("TWO_SPHERES", light.around.spheres.len() == 2),
+        ("TWO_SPHERES", light.spheres == 2),
         ("HAS_CONTRAST", relighting.contrasts),
         ("FEW_TONES", relighting.params.tones().is_some()),
         ("TOON", is(Material::Toon)),
@@ -240,7 +241,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         even_count: light.counts.even,
         direction_count: light.counts.directions,
         point_count: light.counts.points,
-        even_share: light.around.looked_up().map_or(0.0, |(_, share)| share),
+        even_share: light.around().looked_up().map_or(0.0, |(_, share)| share),
         to_eye: to_eye(frame),
         start: starts(frame),
         depth_along_ray: u32::from(frame.source.depth_kind == DepthKind::Ray),
@@ -267,7 +268,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         tone_levels: tones.levels as f32,
         tone_softness: tones.softness,
         tone_most: light.most_tone,
-        environment_gain: light.around.gain().unwrap_or(1.0),
+        environment_gain: light.around().gain().unwrap_or(1.0),
         map_lobe: 2.0 / (material.shininess + 1.0),
         map_size: map.size,
         map_light: placed(map),

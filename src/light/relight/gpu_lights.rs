@@ -1,11 +1,10 @@
 //! Lights and look-up maps on the device.
 
-use crate::engine::gpu::device::Device;
-use crate::engine::gpu::fault::Fault;
-use crate::engine::gpu::last::Last;
-use crate::engine::watch::Watch;
+use crate::frame::memory::Memory;
 use crate::frame::{ColorPlanes, Frame};
-use crate::kernel::memory::Memory;
+use crate::gpu::device::Device;
+use crate::gpu::fault::Fault;
+use crate::kernel::last::Last;
 use crate::light::environment::Environment;
 use crate::light::intensity::Intensity;
 use crate::light::intensity::Map;
@@ -15,12 +14,17 @@ use crate::light::prepared_environment::{
     EnvironmentCache, Illuminants, PreparedEnvironment, Used,
 };
 use crate::light::relight::albedo;
-use crate::plan::{Albedo, Plan, Relighting};
+use crate::light::relight::setting::{Albedo, Relighting};
+use crate::plan::Plan;
+use crate::plan::watch::Watch;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The light of a frame.
-pub(crate) struct Light<'a> {
-    pub(crate) around: Illuminants<'a>,
+pub(crate) struct Light {
+    pub(crate) ready: Arc<PreparedEnvironment>,
+    /// Number of lit spheres.
+    pub(crate) spheres: usize,
     /// The albedo of the frame, if estimated.
     estimate: Option<ColorPlanes>,
     pub(crate) counts: Counts,
@@ -67,14 +71,14 @@ impl LightCache {
     }
 
     /// Prepares light, and copies it to the device.
-    pub(crate) fn light<'a>(
+    pub(crate) fn light(
         &self,
         device: &Device,
         plan: &Plan,
         frame: &Frame,
-        illumination: &'a Illumination,
+        illumination: &Illumination,
         watch: Watch,
-    ) -> Result<Light<'a>, Fault> {
+    ) -> Result<Light, Fault> {
         let relighting = relighting(plan);
         let mut timings = Vec::new();
         let weights = frame.luminance_weights();
@@ -107,7 +111,8 @@ impl LightCache {
             texels,
             maps,
             most_tone: around.most_tone(illumination, relighting, weights),
-            around,
+            spheres: around.spheres.len(),
+            ready: around.ready,
             timings,
         })
     }
@@ -169,7 +174,15 @@ impl Placed {
     }
 }
 
-impl Light<'_> {
+impl Light {
+    /// The surroundings, but for lit spheres.
+    pub(crate) fn around(&self) -> Illuminants<'static> {
+        Illuminants {
+            ready: self.ready.clone(),
+            spheres: &[],
+        }
+    }
+
     /// The albedo of `frame`; `None` for white.
     pub(crate) fn albedo<'f>(&'f self, plan: &Plan, frame: &'f Frame) -> Option<&'f ColorPlanes> {
         let color = match relighting(plan).albedo {
@@ -184,7 +197,7 @@ impl Light<'_> {
 
 /// The relighting of a plan.
 pub(crate) fn relighting(plan: &Plan) -> &Relighting {
-    let relighting = plan.relighting.as_ref();
+    let relighting = plan.relighting();
     relighting.expect("the plan says how to light")
 }
 

@@ -3,8 +3,8 @@
 //! Grain spreads by conductance, so that the shade of a corner stays on its side of an edge. A layer without grain is taken
 //! as it is.
 
-use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
+use crate::plan::execution::Execution;
 use crate::shape::diffusion::stage::spread;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::edges::stage::EDGES;
@@ -24,7 +24,7 @@ pub(super) fn sweeps() -> DiffusionSchedule {
 /// The occlusion of the frame without grain, if the plan says that it has some.
 pub(super) fn without_grain(run: &mut Execution) -> Option<Plane> {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let is_grainy = plan.relighting.as_ref()?.grainy_occlusion;
+    let is_grainy = plan.relighting()?.grainy_occlusion;
     let occlusion = frame.light.occlusion.as_ref().filter(|_| is_grainy)?;
     let key = plan.key(EDGES.name);
     let quiet = run.copied_or(NAME, Some(key), |run| {

@@ -21,23 +21,25 @@ pub(crate) mod shade;
 pub(crate) mod stage;
 pub(crate) mod traced;
 
-use crate::engine::cpu::execution::Execution;
-use crate::engine::outcome::Shape;
+use crate::frame::memory::Memory;
 use crate::frame::{ColorPlanes, Frame, Projection, SightLines, Vector3Planes};
-use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
 use crate::light::alignment::SIGMAS_PX;
 use crate::light::brdf::Lobes;
+use crate::light::prepared_environment::EnvironmentCache;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::{Batch, RowShape};
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
 use crate::light::relight::grain::without_grain;
 use crate::light::relight::mirrors::Mirrors;
 use crate::light::relight::scene::{Aligned, Scene};
+use crate::light::relight::setting::{Albedo, Relighting};
 use crate::light::shadows::cast::cast;
 use crate::light::sum::{Directed, Scaled, Shading, TowardLight};
 use crate::params::Magnitudes;
-use crate::plan::{Albedo, Plan, Relighting};
+use crate::plan::Plan;
+use crate::plan::execution::Execution;
+use crate::plan::outcome::Shape;
 use crate::product::Product;
 use crate::shape::coarse_normals::coarse_normals;
 use rayon::prelude::*;
@@ -49,14 +51,11 @@ const ROWS_PER_TASK: usize = 8;
 /// Relights the frame of a run.
 pub(crate) fn relight(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let relighting = plan
-        .relighting
-        .as_ref()
-        .expect("the plan says how to light");
-    let (illumination, specular) = (run.inputs.illumination, run.inputs.specular);
+    let relighting = plan.relighting().expect("the plan says how to light");
+    let (illumination, specular) = (run.illumination(), run.inputs.specular);
     let illumination = illumination.expect("new light has lights");
     let weights = frame.luminance_weights();
-    let kept = &run.runner.environment;
+    let kept = &run.runner.caches.of::<EnvironmentCache>();
     let around = Illuminants::new(illumination, relighting, weights, kept, memory, |make| {
         run.timed("environment", make)
     });

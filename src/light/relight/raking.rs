@@ -8,12 +8,12 @@
 //!
 //! All lamps are turned alike, as the first of them is: key and fill stay apart.
 
-use crate::engine::cpu::execution::Execution;
+use crate::frame::percentile::percentile;
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane, Vector2Planes, Vector3Planes, parallel_rows};
-use crate::kernel::percentile::percentile;
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::light::lights::DirectionalLight;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::shape::coarse_normals::sweeps;
 use crate::shape::diffusion::cpu::diffusion;
 use crate::shape::diffusion::medium::Medium;

@@ -6,10 +6,10 @@ use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::mirrors::Mirrors;
+use crate::light::relight::setting::Relighting;
 use crate::light::shadows::cast::Shadows;
 use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
-use crate::plan::Relighting;
 use std::borrow::Cow;
 
 /// State shared by all batches.

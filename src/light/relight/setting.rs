@@ -9,7 +9,7 @@ use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Magnitude, Material, Raking, RelightParams, Samples, ScalingParams,
     Tangent, WarpBy,
 };
-use crate::plan::available::Available;
+use crate::plan::{Available, Plan};
 
 /// Use of an environment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,6 +208,39 @@ impl Relighting {
     /// Whether the Jacobian of the inverse warp is needed: for lights sampled beforehand.
     pub(crate) fn has_jacobian(&self) -> bool {
         self.warps && self.sums && !matches!(self.environment, EnvironmentUse::Lookups(_))
+    }
+}
+
+impl Plan {
+    /// Relighting, if any.
+    pub(crate) fn relighting(&self) -> Option<&Relighting> {
+        self.settings.get()
+    }
+
+    /// Takes the albedo by the fit of a whole picture.
+    pub(crate) fn with_estimate(&mut self, estimate: Option<AlbedoEstimate>) {
+        if let Some(&relighting) = self.relighting() {
+            self.settings.put(Relighting {
+                estimate,
+                ..relighting
+            });
+        }
+    }
+
+    /// Whether it takes the frame whole, and not in strips: for heights, skies, shadows, or light turned to the form.
+    pub(crate) fn takes_whole(&self) -> bool {
+        let is_lit_whole = |lit: &Relighting| lit.casting.any() || lit.aligns || lit.rakes;
+        self.relighting().is_some_and(is_lit_whole)
+            || self.wanted.iter().any(|product| product.row().on_request)
+    }
+
+    /// Whether the picture is computed rather than copied from the input.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn makes_picture(&self) -> bool {
+        self.enhancement()
+            .is_some_and(|enhancement| !enhancement.is_idle())
+            || self.relighting().is_some()
+            || self.display
     }
 }
 

@@ -13,11 +13,11 @@ use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
 use crate::light::relight::scene::{Aligned, Scene};
+use crate::light::relight::setting::Albedo;
 use crate::light::shadows::cast::Shadowed;
 use crate::light::sum::{Directed, Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::{Magnitude, Tangent};
-use crate::plan::Albedo;
 use crate::shape::coarse_normals::normal_at;
 use crate::shape::curvature::mapped_curvature;
 

@@ -26,18 +26,18 @@ macro_rules! lit {
 /// New light.
 pub(crate) static RELIGHT: Stage = Stage {
     // Ambient light alone has no step.
-    also_runs: |plan| plan.relighting.is_some(),
+    also_runs: |plan| plan.relighting().is_some(),
     takes: |plan| {
-        let relighting = plan.relighting.as_ref();
+        let relighting = plan.relighting();
         relighting.map_or_else(Vec::new, |relighting| takes(plan, relighting))
     },
-    reach_px: |plan| match plan.relighting {
+    reach_px: |plan| match plan.relighting() {
         // All around a tile is known from the tile, which is blurred as a whole, with its borders joined.
         Some(relighting) if plan.tile.is_none() => RIM_REACH + reach(plan, &relighting),
         _ => RIM_REACH,
     },
     reads_depth: |plan| {
-        let relighting = plan.relighting.as_ref();
+        let relighting = plan.relighting();
         relighting.is_some_and(|lit| lit.near || lit.traced) || casts(plan)
     },
     // Rays meet a surface whole.
@@ -64,7 +64,7 @@ pub(crate) static RELIGHT: Stage = Stage {
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::relight),
     #[cfg(feature = "gpu")]
-    gpu_lacks: |plan| plan.relighting.as_ref().and_then(gpu_lacks),
+    gpu_lacks: |plan| plan.relighting().and_then(gpu_lacks),
     ..Stage::DEFAULT
 };
 
@@ -128,12 +128,12 @@ fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
 
 /// Whether new light casts shadows.
 fn casts(plan: &Plan) -> bool {
-    let relighting = plan.relighting.as_ref();
+    let relighting = plan.relighting();
     relighting.is_some_and(|relighting| relighting.casting.any())
 }
 
 fn in_new_light(plan: &Plan, decide: fn(&Relighting) -> Verdict) -> Verdict {
-    match &plan.relighting {
+    match plan.relighting() {
         Some(relighting) => decide(relighting),
         None => Verdict::left_out("no new light is asked for"),
     }

@@ -4,12 +4,12 @@ use super::casting::{Caster, Casting};
 use super::horizons::Horizons;
 use super::march::{Place, Relief};
 use super::{Lamp, longest_px, shares};
-use crate::engine::cpu::execution::Execution;
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane, SightLines, Vector3Planes, Window};
-use crate::kernel::memory::Memory;
 use crate::light::lights::{DirectionalLight, Illumination};
 use crate::params::RelightParams;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::shape::occlusion::cpu::in_pixels;
 use std::borrow::Cow;
 
@@ -36,9 +36,9 @@ pub(crate) const WHOLE: f32 = 65_535.0;
 
 /// What arrives on surfaces with these normals of the light that casts shadows, if any does.
 pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<Shadows> {
-    let relighting = run.plan.relighting.as_ref()?;
+    let relighting = run.plan.relighting()?;
     let (casting, params) = (&relighting.casting, &relighting.params);
-    let illumination = run.inputs.illumination.filter(|_| casting.any())?;
+    let illumination = run.illumination().filter(|_| casting.any())?;
     let own = run.outcome.shape.height.take();
     let shadows = run.timed("shadows", || {
         let surface = Surface::new(run.frame, run.plan, own.as_ref());
@@ -69,7 +69,7 @@ struct Surface<'a> {
 impl<'a> Surface<'a> {
     /// Of a frame; `height` is what its normals tell.
     fn new(frame: &'a Frame, plan: &'a Plan, height: Option<&Plane>) -> Self {
-        let relighting = plan.relighting.as_ref().expect("shadows are of new light");
+        let relighting = plan.relighting().expect("shadows are of new light");
         let Casting { by, sky, .. } = relighting.casting;
         let is_swept = by != Caster::Depth || sky.is_cast;
         Self {

@@ -7,8 +7,8 @@
 //! what is hidden (visibility bitmasks: Therrien, Levesque, Gilet: Screen Space Indirect Lighting with Visibility Bitmask,
 //! 2023). Changes: a wedge toward a lamp instead of half a circle, and no angles are computed.
 
+use crate::frame::memory::Memory;
 use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Vector3Planes};
-use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
 use crate::light::shadows::Lamp;
 use crate::params::Adaptive;

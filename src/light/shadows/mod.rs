@@ -16,8 +16,8 @@ mod march;
 mod sweep;
 
 use crate::frame::Plane;
+use crate::frame::memory::Memory;
 use crate::kernel::fast_math::{atan, atan2};
-use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
 use crate::shape::occlusion::NOTHING;
 use lamp::Chord;

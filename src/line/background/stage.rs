@@ -1,9 +1,9 @@
 //! The background of a drawing.
 
 use super::Backdrop;
-use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
 use crate::params;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -35,7 +35,7 @@ pub(crate) static BACKGROUND: Stage = Stage {
 
 fn find(run: &mut Execution) {
     let key = run.plan.key_without_scene(BACKGROUND.name);
-    run.canvas.background = run.copied_or(BACKGROUND.name, key, |run| {
+    run.canvas_mut().background = run.copied_or(BACKGROUND.name, key, |run| {
         let factor = run.plan.resolution_factor as f32;
         run.timed(BACKGROUND.name, || Backdrop::of(run.frame, factor))
     });

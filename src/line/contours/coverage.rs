@@ -1,7 +1,7 @@
 //! Coverage of every pixel by contours.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Mask, Plane};
-use crate::kernel::memory::Memory;
 use crate::line::contours::Contour;
 use crate::line::contours::polyline::{thinned, with_radii};
 use crate::line::contours::round_stroke::RoundStroke;

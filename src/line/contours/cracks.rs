@@ -1,8 +1,8 @@
 //! The cracks between pixels that silhouettes pass.
 
 use crate::frame::gap::of_frame::Gaps;
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{Frame, Plane};
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
 use crate::line::contours::lattice::Lattice;
 use crate::line::contours::network::Spot;

@@ -31,47 +31,8 @@ use crate::kernel::fast_math::ln;
 use crate::line::contours::network::{End, Line};
 use crate::line::contours::polyline::{evened, lengths};
 use crate::params::ContourParams;
+pub use crate::plan::drawing::{Contour, ContourKind};
 use glam::Vec2;
-use serde::Serialize;
-
-/// The edge that a contour follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ContourKind {
-    /// The surface ends, or one part of it hides another.
-    Silhouette,
-    /// The surface turns sharply.
-    Crease,
-    /// Another object begins, in the same plane.
-    Object,
-    /// The surface is folded inward: a line inside it.
-    Valley,
-    /// The surface is folded outward: a line inside it.
-    Ridge,
-    /// The surface nearly turns away from the viewer: a line inside it.
-    Suggestive,
-    /// A shadow cast on the surface ends: a line inside it.
-    Shadow,
-}
-
-/// A line along an edge.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Contour {
-    /// The kind of edge it follows.
-    pub kind: ContourKind,
-    /// The points it passes, in pixels from the upper left corner of the data window, y down; of a closed
-    /// line the first is repeated at the end.
-    pub points: Vec<Vec2>,
-    /// Its width at each point, in pixels.
-    pub widths: Vec<f32>,
-}
-
-impl Contour {
-    /// Whether it ends at its start.
-    pub fn is_closed(&self) -> bool {
-        self.points.len() > 2 && self.points.first() == self.points.last()
-    }
-}
 
 /// Range of the depths of lines, to tell near from far.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,5 @@
 //! Contours in a drawing.
 
-use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::covered;
@@ -9,6 +8,7 @@ use crate::line::contours::medium::in_medium;
 use crate::line::drawing::{Drawn, is_drawn};
 use crate::params::ContourParams;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -39,12 +39,12 @@ fn draw(run: &mut Execution) {
     let contours = plan.contours().expect("contours are asked for");
     let key = plan.key_without_scene(CONTOURS.name);
     let (covered, lines) = run.copied_or(CONTOURS.name, key, |run| follow_edges(run, &contours));
-    run.canvas.contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
+    run.canvas_mut().contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
 }
 
 fn follow_edges(run: &mut Execution, params: &ContourParams) -> (Plane, Vec<Contour>) {
     run.timed_on(CONTOURS.name, |run| {
-        let background = run.canvas.background.as_ref();
+        let background = run.canvas().background.as_ref();
         let lines = cpu::contours(&Drawn::of(run), background, &run.plan.shape, params);
         (covered(&lines, &run.frame.mask, run.memory), lines)
     })

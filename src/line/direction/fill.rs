@@ -1,7 +1,7 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane, Vector2Planes};
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
 use crate::line::direction_field::setting::REST_REACH_PX;
 use crate::shape::conductance::face_conductance;

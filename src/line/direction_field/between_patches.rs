@@ -1,7 +1,7 @@
 //! From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Mask, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
 use crate::line::direction_field;
 use crate::line::direction_field::patches::{Links, NONE, Patches};

@@ -1,8 +1,8 @@
 //! The field of stroke directions ([LA] section 6.1): curvature patch by patch, averaged over surfaces,
 //! and brought back to pixels.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
 use crate::line::background::Backdrop;
 use crate::line::direction::fill::fill_rest;

@@ -1,10 +1,11 @@
 //! The directions of strokes in a drawing.
 
-use crate::engine::cpu::execution::Execution;
+use crate::line::canvas::Canvas;
 use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::drawing::has_strokes;
 use crate::params::Style;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -33,7 +34,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
 fn find(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
-    let canvas = std::mem::take(&mut run.canvas);
+    let canvas = std::mem::take(run.canvas_mut());
     let mut shape = std::mem::take(&mut run.outcome.shape);
     let is_last = run.read_last.contains(&Product::Conductance);
     let make = || {
@@ -54,6 +55,9 @@ fn find(run: &mut Execution) {
     let directions = run.copied_or(DIRECTION_FIELD.name, key, |run| {
         run.timed(DIRECTION_FIELD.name, make)
     });
-    (run.canvas, run.outcome.shape) = (canvas, shape);
-    run.canvas.directions = directions;
+    run.outcome.shape = shape;
+    *run.canvas_mut() = Canvas {
+        directions,
+        ..canvas
+    };
 }

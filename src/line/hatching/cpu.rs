@@ -1,9 +1,9 @@
 //! Strokes over the frame, row by row.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::map_rows;
 use crate::frame::{Frame, Plane};
 use crate::kernel::fast_math::atan2;
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::map_rows;
 use crate::kernel::simd::wide;
 use crate::line::canvas::Canvas;
 use crate::line::hatching::{BATCH, Hatching, Pixels};

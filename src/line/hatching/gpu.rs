@@ -1,14 +1,14 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recorder::UPLOAD;
-use crate::engine::gpu::recording::{PICTURE, Recording};
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::F32;
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
-use crate::engine::outcome::add_timings;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::recorder::UPLOAD;
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::F32;
+use crate::gpu::wgsl::{Wgsl, wgsl};
+use crate::kernel::last::Last;
+use crate::kernel::timings::add_timings;
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::drawing::{Tone, finish};
 use crate::line::hatching::gpu_texture::Texture;
@@ -17,6 +17,7 @@ use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES}
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, TonalArtMap};
 use crate::params;
 use crate::params::ToneParams;
+use crate::plan::recording::{PICTURE, Recording};
 use std::f32::consts::PI;
 use std::time::Instant;
 
@@ -131,23 +132,25 @@ pub(crate) fn hatch(run: &mut Recording) -> Result<()> {
     if let Some(color) = frame.color.as_ref().filter(|_| !run.has(PICTURE[0])) {
         run.upload_picture(color);
     }
-    let (strokes, texture) = (&params.strokes, run.texture);
-    let strokes = match &run.host.canvas.art_map {
+    let strokes = &params.strokes;
+    let strokes = match &run.host.canvas().art_map {
         Some(map) => {
-            let copied = texture.of(map, || Ok::<_, Error>(Texture::new(map, run.upload())))?;
+            let copied = run.lent.get::<Last<TonalArtMap, Texture>>();
+            let copied = copied.expect("a runner lends it");
+            let copied = copied.of(map, || Ok::<_, Error>(Texture::new(map, run.upload())))?;
             Strokes::new(map, copied, strokes)
         }
         None => {
-            let map = run.host.inputs.art_map;
+            let map = run.host.given_art_map();
             let map = map.expect("strokes of pictures come with them");
             Strokes::new(map, Texture::new(map, run.upload()), strokes)
         }
     };
-    let canvas = std::mem::take(&mut run.host.canvas);
+    let canvas = std::mem::take(run.host.canvas_mut());
     let sheets = run.sheets(canvas.coordinates.as_ref());
     let directions = canvas.directions.iter();
     let directions: Vec<_> = directions.map(|field| run.hold_field(field)).collect();
-    run.host.canvas = canvas;
+    *run.host.canvas_mut() = canvas;
     add_timings(&mut run.waited, &[(UPLOAD, start.elapsed())]);
     run.find_densities(&params.tone, tone.white);
     run.hatched(&params.strokes, &directions, &strokes, &sheets);

@@ -1,6 +1,6 @@
 //! Textures of strokes on a device.
 
-use crate::engine::gpu::surface::Upload;
+use crate::gpu::surface::Upload;
 use crate::line::tonal_art_map::{Texels, TonalArtMap};
 
 /// A texture of strokes on the device.

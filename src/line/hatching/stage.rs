@@ -1,8 +1,8 @@
 //! Strokes of a texture.
 
-use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_texture};
 use crate::line::hatching::cpu::hatched;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -28,9 +28,16 @@ fn hatch(run: &mut Execution) {
     let tone = Tone::taken(run);
     let densities = tone.densities(frame, &params.tone);
     let ink = run.timed_on(HATCHING.name, |run| {
-        let map = run.canvas.art_map.as_deref().or(run.inputs.art_map);
+        let map = run.canvas().art_map.as_deref().or(run.given_art_map());
         let map = map.expect("strokes of pictures come with them");
-        hatched(&densities, &run.canvas, map, &params.strokes, frame, memory)
+        hatched(
+            &densities,
+            run.canvas(),
+            map,
+            &params.strokes,
+            frame,
+            memory,
+        )
     });
     drop(densities);
     finish(run, tone, ink, Vec::new());

@@ -1,7 +1,7 @@
 //! Interior lines of a frame: measured, followed, chosen, joined.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Mask, Plane};
-use crate::kernel::memory::Memory;
 use crate::line::background::Backdrop;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;

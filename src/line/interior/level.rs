@@ -1,7 +1,7 @@
 //! Levels: the normals of a frame on a grid that is as fine as lines need it, and their diffusion.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes, parallel_rows};
-use crate::kernel::memory::Memory;
 use crate::line::grid::parts;
 use crate::params::RunOptions;
 use crate::shape::diffusion::cpu::diffusion;

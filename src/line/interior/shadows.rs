@@ -1,9 +1,9 @@
 //! Edges of cast shadows: where light changes by more than the turn of the surface accounts for.
 
+use crate::frame::memory::Memory;
+use crate::frame::percentile::percentile;
+use crate::frame::rows::map_covered;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, luminance};
-use crate::kernel::memory::Memory;
-use crate::kernel::percentile::percentile;
-use crate::kernel::rows::map_covered;
 use crate::line::grid::Grid;
 use crate::line::interior::crests::{Crest, Rims, crest, each_pixel};
 use crate::line::interior::level::Level;

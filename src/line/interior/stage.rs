@@ -1,11 +1,11 @@
 //! Interior lines in a drawing.
 
-use crate::engine::cpu::execution::Execution;
 use crate::line::contours::coverage::covered;
 use crate::line::contours::medium::in_medium;
 use crate::line::drawing::{Drawn, is_drawn};
 use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -48,19 +48,19 @@ fn draw(run: &mut Execution) {
     let layer = run.copied_or(INTERIOR.name, key, follow);
     run.outcome.line_levels = layer.levels;
     let covered = in_medium(layer.covered, run.frame, &params.strokes);
-    run.canvas.interior = Some((covered, layer.lines));
+    run.canvas_mut().interior = Some((covered, layer.lines));
 }
 
 fn follow(run: &mut Execution) -> InteriorLayer {
     run.timed_on(INTERIOR.name, |run| {
         let params = run.plan.drawing.as_ref().and_then(|params| params.interior);
         let params = params.expect("interior lines are asked for");
-        let contours = run.canvas.contours.as_ref();
+        let contours = run.canvas().contours.as_ref();
         let contours = contours.map_or(&[][..], |(_, lines)| lines);
         let (fades, memory) = (run.plan.available.in_sequence, run.memory);
         let options = &run.runner.options;
         let drawn = Drawn::of(run);
-        let around = (contours, run.canvas.background.as_ref());
+        let around = (contours, run.canvas().background.as_ref());
         let (lines, levels) = cpu::interior(&drawn, around, &params, fades, options, memory);
         InteriorLayer {
             covered: covered(&lines, &drawn.frame.mask, memory),

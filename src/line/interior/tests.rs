@@ -1,7 +1,7 @@
 //! Lines of forms whose lines are known.
 
+use crate::frame::memory::Memory;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
-use crate::kernel::memory::Memory;
 use crate::line::contours::{Contour, ContourKind};
 use crate::line::drawing::Drawn;
 use crate::line::interior::cpu::interior;

@@ -1,8 +1,8 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::map_rows;
 use crate::frame::{Frame, PixelLines, Plane, SightLines, Vector2Planes};
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::map_rows;
 use crate::kernel::simd::wide;
 use crate::line::direction::fill::fill;
 use crate::line::direction::fixed_direction;

@@ -1,16 +1,16 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::{F32, I32};
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::error::Result;
 use crate::frame::{DepthKind, Frame, Vector2Planes};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::{F32, I32};
+use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::line::normal_rays::cpu::filled;
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::line::normal_rays::{CERTAINTY, MIN_COSINE, MIN_SINE, PLANAR_TURN, UMBILIC};
+use crate::plan::recording::Recording;
 use crate::product::Product;
 
 /// The curvature of a surface from the normals beside one.
@@ -25,7 +25,7 @@ pub(crate) const NORMAL_RAY: Wgsl = wgsl!(
 uniforms! {
     /// Uniforms of `normal_rays.wgsl`.
     RayParams {
-        /// The direction of sight lines, scaled to z = -1, as [`linear`](crate::engine::gpu::sight::linear) has it.
+        /// The direction of sight lines, scaled to z = -1, as [`linear`](crate::gpu::sight::linear) has it.
         line: vec4,
         /// Distance between the starts of adjacent pixels' sight lines, and between points at a depth of 1 on them.
         start_step: vec2,

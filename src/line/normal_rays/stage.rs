@@ -1,8 +1,8 @@
 //! Directions of the surface's own curvature, as layers and for a grain that follows them.
 
-use crate::engine::cpu::execution::Execution;
 use crate::line::direction::FILL_REACH_PX;
 use crate::line::normal_rays::cpu;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::plan::{Plan, Points};
 use crate::product::Product;

@@ -3,10 +3,10 @@
 use super::background::{behind_subject, left_out, plainness, quieter};
 use super::levels::{self, Ranks, SHARES, Scales, Spread};
 use super::{CLEAR_TURN, activity, key_stops, raised, seen_tone, stops};
+use crate::frame::memory::Memory;
+use crate::frame::percentile::percentile;
+use crate::frame::rows::map_covered;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, luminance};
-use crate::kernel::memory::Memory;
-use crate::kernel::percentile::percentile;
-use crate::kernel::rows::map_covered;
 use crate::line::background::Backdrop;
 use crate::line::density::LEAST_ALPHA;
 use crate::line::grid::{Grid, cell_px};

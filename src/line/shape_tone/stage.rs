@@ -3,8 +3,8 @@
 use super::cpu::{Shown, densities};
 use super::halo::leave_bare;
 use super::key_light;
-use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -29,7 +29,7 @@ fn find(run: &mut Execution) {
     let (density, levels) = run.timed_on(SHAPE_TONE.name, |run| {
         let (plan, frame, memory) = (run.plan, run.frame, run.memory);
         let params = plan.drawing.as_ref().expect("tones are of a drawing");
-        let (shape, light) = (&run.outcome.shape, run.inputs.illumination);
+        let (shape, light) = (&run.outcome.shape, run.illumination());
         let given = light.and_then(|light| light.directional.first());
         let there = "tones are planned with their shape";
         let of = Shown {
@@ -40,7 +40,7 @@ fn find(run: &mut Execution) {
             picture: run.outcome.color.as_ref().or(frame.color.as_ref()),
             to_key: given.map_or_else(key_light, |light| light.to_light),
             params: &params.tone,
-            background: run.canvas.background.as_ref(),
+            background: run.canvas().background.as_ref(),
         };
         let cells = densities(&of, &run.runner.options, memory);
         let mut density = cells.of_pixels(&frame.mask, memory);
@@ -55,5 +55,5 @@ fn find(run: &mut Execution) {
         // Strokes take the tone alone.
         run.outcome.color = None;
     }
-    run.canvas.density = Some(density);
+    run.canvas_mut().density = Some(density);
 }

@@ -1,7 +1,7 @@
 //! The pixels of a frame seen through mirrors and lenses, with the hit points written by a renderer.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, SURFACE_JUMP, SightLines, SpecularScene, Vector3Planes, step_between};
-use crate::kernel::memory::Memory;
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
 use crate::line::specular::seen::SeenPixel;

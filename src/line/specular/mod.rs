@@ -6,8 +6,8 @@ pub(crate) mod seen;
 pub(crate) mod stage;
 pub(crate) mod tangents;
 
+use crate::frame::memory::Memory;
 use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::specular::hit_points::hit_pixels;

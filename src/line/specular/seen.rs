@@ -1,7 +1,7 @@
 //! The pixels of a frame through its mirrors and lenses, in bands of rows.
 
 use crate::frame::Frame;
-use crate::kernel::memory::Memory;
+use crate::frame::memory::Memory;
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::propagation::{Beside, external_camera};
 use crate::line::specular::tangents::Tangents;

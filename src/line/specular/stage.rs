@@ -1,9 +1,10 @@
 //! Mirrors and lenses in a drawing: surfaces seen in them are drawn as they appear.
 
-use crate::engine::cpu::execution::Execution;
+use crate::line::specular::map_directions::DirectionCache;
 use crate::line::specular::seen_through;
 use crate::params::{Bend, SpecularParams};
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::edges::cpu::edges_and_gradient;
@@ -38,11 +39,11 @@ fn trace(run: &mut Execution) {
     };
     let scene = run.inputs.specular;
     let scene = scene.expect("specular pixels are planned with what they show");
-    let (kept, memory) = (&runner.map_directions, run.memory);
+    let (kept, memory) = (&runner.caches.of::<DirectionCache>(), run.memory);
     let seen = run.timed(SPECULAR_TRACE.name, || {
         seen_through(plan, frame, scene, specular, params, kept, memory)
     });
-    run.canvas.seen = seen.map(|seen| {
+    run.canvas_mut().seen = seen.map(|seen| {
         let (edges, _) = run.timed("specular-edges", || {
             edges_and_gradient(plan, &seen.frame, memory)
         });

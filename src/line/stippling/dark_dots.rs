@@ -2,7 +2,7 @@
 
 use super::Dot;
 use crate::frame::Plane;
-use crate::kernel::memory::Memory;
+use crate::frame::memory::Memory;
 use crate::line::ink_cells::InkCells;
 use glam::Vec2;
 use rayon::prelude::*;

@@ -14,24 +14,5 @@ mod settled;
 mod spread;
 pub(crate) mod stage;
 
-use glam::Vec2;
-
-/// A dot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dot {
-    /// Its middle, in pixels from the upper left corner of the data window, y down.
-    pub at: Vec2,
-    /// Its radius, in pixels.
-    pub radius: f32,
-}
-
-/// A dot as it is carried from frame to frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LaidDot {
-    /// Its middle, in pixels of the window, y down.
-    pub(crate) at: Vec2,
-    /// Share of the area of a whole dot, 0..1.
-    pub(crate) share: f32,
-    /// Whether it is about to vanish.
-    pub(crate) is_going: bool,
-}
+pub use crate::plan::drawing::Dot;
+pub(crate) use crate::plan::drawing::LaidDot;

@@ -4,7 +4,7 @@
 use super::LaidDot;
 use super::spread::{Field, diffused, spaced};
 use crate::frame::Mask;
-use crate::kernel::memory::Memory;
+use crate::frame::memory::Memory;
 use crate::line::placed::Placed;
 use glam::Vec2;
 

@@ -2,7 +2,7 @@
 
 use super::super::random::Random;
 use crate::frame::Plane;
-use crate::kernel::memory::Memory;
+use crate::frame::memory::Memory;
 use crate::line::placed::Placed;
 use glam::Vec2;
 use rayon::prelude::*;

@@ -1,9 +1,9 @@
 //! Strokes that are dots.
 
 use super::cpu::{Stippled, stippled};
-use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::params::Style;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -38,7 +38,7 @@ fn lay(run: &mut Execution) {
         stippled(&densities, &params.strokes, factor, sequence, frame, memory)
     });
     drop(densities);
-    if let Some(coordinates) = &mut run.canvas.coordinates {
+    if let Some(coordinates) = &mut run.canvas_mut().coordinates {
         coordinates.dots = laid;
     }
     finish(run, tone, covered, Vec::new());

@@ -1,8 +1,8 @@
 //! Strokes as lines over the frame, family by family.
 
 use crate::frame::Plane;
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::line::carried::Carrier;
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
 use crate::line::density::{coverage_at, keep_inside};

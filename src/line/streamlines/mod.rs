@@ -16,34 +16,14 @@ use super::direction_field::setting::OPEN;
 use super::placed::{Placed, Point};
 use crate::frame::{Plane, Vector2Planes};
 use crate::kernel::cancel::CancelToken;
+pub(crate) use crate::plan::drawing::Seed;
+pub use crate::plan::drawing::Streamline;
 use glam::Vec2;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use swelling::swell;
 pub(crate) use tool::Tool;
-
-/// A stroke as a line.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Streamline {
-    /// The points it passes, in pixels from the upper left corner of the data window, y down.
-    pub points: Vec<Vec2>,
-    /// Its width at each point, in pixels.
-    pub widths: Vec<f32>,
-    /// Whether it crosses others, to darken them.
-    pub crosses: bool,
-}
-
-/// The seed of a line, and the line's extent from it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Seed {
-    /// Position in pixels, rows down.
-    pub(crate) at: Vec2,
-    /// The unit direction in which it continues ahead, rows down.
-    pub(crate) along: Vec2,
-    /// Number of points behind and ahead.
-    pub(crate) points: [i32; 2],
-}
 
 /// Lines with their seeds, in the order of placement.
 pub(crate) struct Streamlines {

@@ -1,12 +1,12 @@
 //! Strokes as lines.
 
-use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
 use crate::line::drawing::{Drawn, Tone, finish, has_strokes};
 use crate::line::streamlines::cpu::{carried_seeds, inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 
@@ -46,7 +46,7 @@ fn lay(run: &mut Execution) {
         let (drawn, factor) = (Drawn::of(run), plan.resolution_factor as f32);
         let first = carried_seeds(run.inputs.sequence, drawn.frame);
         let strokes = &params.strokes;
-        let fields = &run.canvas.directions;
+        let fields = &run.canvas().directions;
         let (laid, seeds) = lines(&densities, fields, &first, &drawn, strokes, factor, memory);
         let ink = match plan.inks_strokes {
             false => Plane::filled(frame.mask.width(), frame.mask.height(), 0.0),
@@ -55,7 +55,7 @@ fn lay(run: &mut Execution) {
         (ink, laid, seeds)
     });
     drop(densities);
-    if let Some(coordinates) = &mut run.canvas.coordinates {
+    if let Some(coordinates) = &mut run.canvas_mut().coordinates {
         coordinates.seeds = seeds;
     }
     finish(run, tone, ink, laid);

@@ -6,16 +6,15 @@
 //! surface that merely shifts or rotates in the picture is never laid anew, no stroke is drawn far from its size, and
 //! maps take over smoothly in time and in the picture.
 
-use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
-use crate::kernel::memory::Memory;
-use crate::line::stippling::LaidDot;
-use crate::line::streamlines::Seed;
+use crate::frame::memory::Memory;
+use crate::frame::{Frame, Mask, Plane, Vector2Planes};
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
 use crate::line::texture_coordinates::places::{MovingSurface, PlaceMap};
 use crate::line::texture_coordinates::shares::Weighed;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::step::Step;
+pub(crate) use crate::plan::drawing::{SequenceInputs, TextureCoordinates};
 
 /// Most maps kept at once, beside the next one.
 const MOST_MAPS: usize = 3;
@@ -29,36 +28,6 @@ const URGENT: f64 = 0.1;
 
 /// Frames over which a map fades that has to make room.
 const FADE_FRAMES: f32 = 6.0;
-
-/// State that a frame of a sequence takes from the previous one; the first has none.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct SequenceInputs<'a> {
-    /// Previous placement of the stroke texture.
-    pub before: Option<&'a TextureCoordinates>,
-    /// Motion of the surface seen at each pixel since then, in pixels: x right, y up.
-    pub motion: Option<&'a Vector2Planes>,
-}
-
-/// Positions in the fixed stroke texture for every pixel of a frame: the state a sequence passes from one frame to the
-/// next.
-#[derive(Debug, Clone)]
-pub struct TextureCoordinates {
-    pub(crate) window: Window,
-    pub(crate) mask: Mask,
-    pub(crate) depth: Option<Plane>,
-    /// Motion of the frame, from the second on, if there is no depth.
-    pub(crate) motion: Option<Vector2Planes>,
-    /// Oldest first.
-    pub(crate) maps: Vec<PlaceMap>,
-    /// Share of the next map, if any of it is needed.
-    pub(crate) next: Option<Plane>,
-    /// Number of maps born.
-    pub(crate) born: u32,
-    /// Seeds of strokes that are placed one by one, by family, in pixels of the window.
-    pub(crate) seeds: Vec<Vec<Seed>>,
-    /// Dots, in pixels of the window.
-    pub(crate) dots: Vec<LaidDot>,
-}
 
 impl TextureCoordinates {
     /// Coordinates of a first frame: the texture is placed as in a still picture.

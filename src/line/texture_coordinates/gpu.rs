@@ -1,11 +1,11 @@
 //! Strokes that move with the surface: the maps that place the texture, on the device.
 
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::wgsl::Number::F32;
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::gpu::wgsl::Number::F32;
+use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
+use crate::plan::recording::Recording;
 
 /// Placement of a texture on a moving surface.
 pub(crate) const TEXTURE_COORDINATES: Wgsl =

@@ -4,23 +4,12 @@ use crate::frame::{Frame, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::{
     Jacobian, calmed, is_one_depth, is_one_motion, jacobian, origin,
 };
+pub(crate) use crate::plan::drawing::PlaceMap;
 
 /// The place that a map gives the pixel of an index.
 #[inline(always)]
 pub(crate) fn place_at(map: &Vector2Planes, at: usize) -> [f32; 2] {
     [map.x.samples()[at], map.y.samples()[at]]
-}
-
-/// A map of places that moves with the surface.
-#[derive(Debug, Clone)]
-pub(crate) struct PlaceMap {
-    /// Pixel coordinates, rows down, in the texture's fixed frame.
-    pub(crate) place: Vector2Planes,
-    /// Share of the drawing, 0..1; `None` is 1.
-    pub(crate) share: Option<Plane>,
-    /// 1; falls to 0 where the map has to make room.
-    pub(crate) fade: f32,
-    pub(crate) generation: u32,
 }
 
 impl PlaceMap {

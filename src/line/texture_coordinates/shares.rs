@@ -1,8 +1,8 @@
 //! Division of the drawing among maps of places.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane};
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::ROWS_PER_TASK;
 use crate::line::texture_coordinates::places::{MovingSurface, PlaceMap, jacobian_at};
 use crate::line::texture_coordinates::{distortion, soundness};
 use rayon::prelude::*;

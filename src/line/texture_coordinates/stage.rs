@@ -1,8 +1,8 @@
 //! Strokes that move with the surface, in a frame of a sequence.
 
-use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_strokes;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 
 /// Placement of the stroke texture as the surface moves.
@@ -24,7 +24,7 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
 fn place(run: &mut Execution) {
     let (frame, memory) = (run.frame, run.memory);
     let sequence = run.inputs.sequence;
-    run.canvas.coordinates = sequence.map(|sequence| {
+    run.canvas_mut().coordinates = sequence.map(|sequence| {
         run.timed(TEXTURE_COORDINATES.name, || {
             TextureCoordinates::of(frame, sequence, memory)
         })

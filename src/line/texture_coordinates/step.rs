@@ -1,9 +1,9 @@
 //! From one frame to the next: the previous position of every pixel's surface, and its places there.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::map_covered;
 use crate::frame::{Frame, Plane, Vector2Planes, Window};
-use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
-use crate::kernel::rows::map_covered;
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::is_one_depth;
 use crate::line::texture_coordinates::is_one_motion;

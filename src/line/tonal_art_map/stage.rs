@@ -1,8 +1,9 @@
 //! The texture of strokes in a drawing.
 
-use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_texture;
+use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::Style;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 
 /// The texture of strokes.
@@ -25,7 +26,7 @@ fn make(run: &mut Execution) {
     if strokes.style == Style::Pictures {
         return;
     }
-    let kept = &run.runner.art_map;
+    let kept = &run.runner.caches.of::<ArtMapCache>();
     let map = kept.of(strokes, factor, |make| run.timed(TONAL_ART_MAP.name, make));
-    run.canvas.art_map = Some(map);
+    run.canvas_mut().art_map = Some(map);
 }

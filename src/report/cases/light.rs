@@ -14,7 +14,7 @@ use crate::params::{
 };
 use crate::plan::{Goal, Tone};
 use crate::scenes::frames::{grey, masked};
-use crate::scenes::light_reference::{Pixel, Settings, hessian, irradiance, lit, sigma, white};
+use crate::scenes::light_reference::{Pixel, Settings, irradiance, lit, sigma, white};
 use crate::scenes::{Scene, environment};
 use crate::srgb::encoded;
 
@@ -72,7 +72,9 @@ fn material(material: Material, method: Method) -> Result<f64> {
         scaling: &scaling,
         material: &params.material,
     };
-    let hessian = hessian(&frame, ShapeParams::default())?;
+    let layers = Request::new(Goal::LAYERS, Params::default());
+    let layers = Engine::cpu().run(&layers, &frame, &Run::new())?;
+    let hessian = layers.shape.hessian.expect("layers hold it");
     let color = picture(&outcome);
     let mut largest = 0.0_f64;
     let mut off = 0.0_f64;

@@ -1,7 +1,7 @@
 //! Automatic choices from the whole frame: the gain of the curvature mapping and the white level.
 
+use crate::frame::percentile::{percentile, sample};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window, luminance};
-use crate::kernel::percentile::{percentile, sample};
 pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::{flat_curvature, gain_of};
 

@@ -2,8 +2,8 @@
 
 use super::cpu::Counted;
 use super::{flat_curvature, gain_of};
+use crate::frame::percentile::Sample;
 use crate::frame::{Frame, Plane};
-use crate::kernel::percentile::Sample;
 use std::ops::Range;
 
 /// A search for the gain in a picture that comes some rows at a time.

@@ -1,7 +1,7 @@
 //! The gain of curvature, chosen by the CPU from planes read back.
 
-use crate::engine::cpu::execution::Execution;
-use crate::engine::gpu::recording::Recording;
+use crate::plan::execution::Execution;
+use crate::plan::recording::Recording;
 
 /// Has the CPU choose the gain of curvature, with the planes it depends on if that is left open.
 pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
@@ -19,10 +19,10 @@ pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
 #[cfg(test)]
 mod tests {
     use crate::engine::cpu;
-    use crate::engine::gpu::device::{Choice, Device, to_test_on};
     use crate::engine::gpu::runner::Runner;
     use crate::engine::inputs::Inputs;
     use crate::frame::{ColorPlanes, Frame, Plane};
+    use crate::gpu::device::{Choice, Device, to_test_on};
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, Plan};
     use crate::scenes::Scene;

@@ -1,8 +1,8 @@
 //! The gain of the curvature mapping: chosen from the whole frame, or given.
 
-use crate::engine::cpu::execution::Execution;
 use crate::params::Adaptive;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::{self, Counted};
@@ -88,7 +88,7 @@ fn gain_of_frame(run: &mut Execution) -> f32 {
         .as_ref()
         .expect("the trace takes the conductance");
     // The bits of a trace depend on the source it is computed from.
-    let made_of = (own.is_some(), plan.relighting.is_some());
+    let made_of = (own.is_some(), plan.relighting().is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
     let (frame, whole) = (run.frame, run.whole.unwrap_or(run.frame));

@@ -1,9 +1,9 @@
 //! Passes from the gradient to curvature and its directions.
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::{map_covered, map_rows};
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::kernel::fast_math::select;
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::{map_covered, map_rows};
 use crate::kernel::simd::wide;
 use crate::shape::Rows;
 use crate::shape::curvature::{

@@ -1,11 +1,11 @@
 //! The Hessian, and curvatures.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::F32;
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::F32;
+use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::Plan;
+use crate::plan::recording::Recording;
 use crate::product::Product;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;

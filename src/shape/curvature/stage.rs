@@ -1,9 +1,9 @@
 //! From the gradient to curvature: only its trace if that suffices, else the Hessian and planes derived from it.
 
-use crate::engine::cpu::execution::Execution;
-use crate::engine::outcome::{ScaleShape, Shape};
 use crate::frame::{CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
+use crate::plan::outcome::{ScaleShape, Shape};
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::curvature::cpu;
@@ -108,7 +108,7 @@ fn unit(plan: &Plan) -> String {
 /// trace of the frame.
 fn find_curvature(run: &mut Execution) {
     let plan = run.plan;
-    let is_whole = plan.relighting.is_none();
+    let is_whole = plan.relighting().is_none();
     if !plan.wants(Product::Hessian) {
         if is_whole || plan.chooses_gain() || plan.shows_shape {
             trace_of_gradient(run);

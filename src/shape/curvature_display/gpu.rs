@@ -1,9 +1,9 @@
 //! The curvature display on the device.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::wgsl::Number::Color;
-use crate::engine::gpu::wgsl::wgsl;
+use crate::gpu::kernels::Kernel;
+use crate::gpu::wgsl::Number::Color;
+use crate::gpu::wgsl::wgsl;
+use crate::plan::recording::Recording;
 use crate::shape::curvature::gpu::{GainParams, MAPPED_CURVATURE};
 use crate::shape::curvature_display::palette;
 

@@ -5,9 +5,9 @@ pub(crate) mod gpu;
 pub(crate) mod palette;
 pub(crate) mod stage;
 
+use crate::frame::memory::Memory;
+use crate::frame::rows::map_covered;
 use crate::frame::{ColorPlanes, Mask, Plane};
-use crate::kernel::memory::Memory;
-use crate::kernel::rows::map_covered;
 use crate::shape::curvature::mapped_curvature;
 
 /// The curvature display: silhouettes and creases black, concave warm, convex cold, flat neutral, background white.

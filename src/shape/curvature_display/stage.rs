@@ -1,6 +1,6 @@
 //! The curvature display as a picture.
 
-use crate::engine::cpu::execution::Execution;
+use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::curvature_display::curvature_display;

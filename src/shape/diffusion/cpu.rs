@@ -1,7 +1,7 @@
 //! Diffusion of the gradient, by explicit steps or by expansion, tile by tile.
 
 use crate::frame::Vector2Planes;
-use crate::kernel::memory::Memory;
+use crate::frame::memory::Memory;
 use crate::kernel::simd::Simd;
 use crate::params::RunOptions;
 use crate::shape::diffusion::medium::Medium;

@@ -1,13 +1,12 @@
 //! Diffusion of the gradient: several sweeps at a time in workgroup memory.
 
-use crate::engine::gpu::constants::{
-    REGION, REGION_GROUP_ROWS, ROWS_PER_INVOCATION, SWEEPS_PER_PASS,
-};
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::{NOWHERE, Recording};
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::U32;
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::gpu::constants::{REGION, REGION_GROUP_ROWS, ROWS_PER_INVOCATION, SWEEPS_PER_PASS};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::U32;
+use crate::gpu::wgsl::{Wgsl, wgsl};
+use crate::plan::recording::{NOWHERE, Recording};
+use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 
 /// The conductance of the face between two pixels.
@@ -65,9 +64,15 @@ pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams>(
 pub(crate) fn diffuse(run: &mut Recording) {
     let plan = run.plan;
     let gradient = run.plane("gradient");
-    let all = plan.sweeps.count();
+    let sweeps = plan.sweeps();
+    let all = sweeps.count();
+    let importance = Levels::of(run.frame, sweeps);
+    if let Some(levels) = &importance {
+        let numbers = levels.plane.map(|level| f32::from_bits(level.into()));
+        run.upload_as("levels", Some(&numbers));
+    }
     // The number of sweeps of each result, and the weights of its terms.
-    let sums: Vec<(usize, Vec<f32>)> = match (&plan.sweeps.readout, &run.importance) {
+    let sums: Vec<(usize, Vec<f32>)> = match (&sweeps.readout, &importance) {
         // Each scale separately: on a device sweeps cost less than memory for several sums.
         (Readout::Sums(sums), _) => sums
             .iter()
@@ -82,7 +87,7 @@ pub(crate) fn diffuse(run: &mut Recording) {
     };
     let diffused = sums.iter().map(|(count, weights)| match count {
         0 => run.copy_of(&gradient),
-        _ => run.swept(&gradient, *count, weights),
+        _ => run.swept(&gradient, (*count, weights), importance.as_ref()),
     });
     let mut diffused = diffused.collect::<Vec<_>>().into_iter();
     run.put("gradient", diffused.next().expect("one at least"));
@@ -90,16 +95,21 @@ pub(crate) fn diffuse(run: &mut Recording) {
 }
 
 impl Recording<'_> {
-    /// The gradient after `count` sweeps, or the sum of their terms.
-    fn swept(&mut self, gradient: &wgpu::Buffer, count: usize, weights: &[f32]) -> wgpu::Buffer {
+    /// The gradient after `count` sweeps, or the sum of their terms, weighted by these `levels` of importance.
+    fn swept(
+        &mut self,
+        gradient: &wgpu::Buffer,
+        (count, weights): (usize, &[f32]),
+        levels: Option<&Levels>,
+    ) -> wgpu::Buffer {
         let [width, height] = self.size;
         let whole = self.host.frame.data_window;
         let (tile, wraps) = match self.plan.tile {
             Some(tile) => (tile.window.relative_to(whole), tile.wraps),
             None => (whole.relative_to(whole), [false; 2]),
         };
-        let by_level = self.importance.is_some();
-        let (is_expansion, time_step) = match self.plan.sweeps.recurrence {
+        let by_level = levels.is_some();
+        let (is_expansion, time_step) = match self.plan.sweeps().recurrence {
             Recurrence::Explicit(time_step) => (false, time_step),
             Recurrence::Chebyshev => (true, 0.0),
         };
@@ -112,10 +122,7 @@ impl Recording<'_> {
         let earlier = [(); 2].map(|()| taken(is_expansion));
         let sums = taken(is_summed);
         let term_weights = self.uploaded(weights);
-        let level_count = self
-            .importance
-            .as_ref()
-            .map_or(1, |levels| levels.count as u32);
+        let level_count = levels.map_or(1, |levels| levels.count as u32);
         let switches = [("IS_EXPANSION", is_expansion), ("BY_LEVEL", by_level)];
         let passes = count.div_ceil(SWEEPS_PER_PASS);
         for pass in 0..passes {

@@ -1,9 +1,9 @@
 //! Diffusion of the gradient ([LW] section 4.3): one gradient per scale.
 
-use crate::engine::cpu::execution::Execution;
 use crate::frame::{Vector2Planes, Window};
 use crate::params::ShapeParams;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::plan::planned::Tile;
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
@@ -22,9 +22,9 @@ pub(crate) static DIFFUSION: Stage = Stage {
     // A tile is diffused as a whole, with its borders joined.
     reach_px: |plan| match plan.tile {
         Some(_) => 0,
-        None => plan.sweeps.count() * REACH,
+        None => plan.sweeps().count() * REACH,
     },
-    depends_on: |plan| format!("{:?}", plan.sweeps),
+    depends_on: |plan| format!("{:?}", plan.sweeps()),
     reads_normals: false,
     name: "diffusion",
     steps: &[step("diffusion", &[Product::Gradient], decide)],
@@ -36,12 +36,12 @@ pub(crate) static DIFFUSION: Stage = Stage {
 
 fn decide(plan: &Plan) -> Verdict {
     let factor = plan.resolution_factor;
-    match (plan.wants(Product::Gradient), plan.sweeps.count()) {
+    match (plan.wants(Product::Gradient), plan.sweeps().count()) {
         (false, _) => plan.left_out("no curvature is needed"),
         (true, 0) => plan.left_out("a scale of 0"),
         (true, _) => {
             let scale = scale(&plan.shape, factor);
-            Verdict::runs(format!("{scale}, {}", plan.sweeps.described()))
+            Verdict::runs(format!("{scale}, {}", plan.sweeps().described()))
         }
     }
 }
@@ -72,18 +72,18 @@ fn diffuse(run: &mut Execution) {
     let undiffused = run.undiffused.take();
     let undiffused = undiffused.or_else(|| kept?.copy(UNDIFFUSED, plan.key(EDGES.name)));
     let undiffused = undiffused.expect("the gradient is kept with its edges");
-    let mut gradients = match plan.sweeps.count() {
+    let mut gradients = match plan.sweeps().count() {
         0 => vec![undiffused; 1 + plan.more_px.len()],
         _ => {
             let conductance = run.outcome.shape.conductance.take();
             let conductance = conductance.expect("slopes spread by conductance");
             let diffused = run.timed("diffusion", || {
-                let importance = Levels::of(frame, &plan.sweeps);
+                let importance = Levels::of(frame, plan.sweeps());
                 let medium = Medium {
                     importance: importance.as_ref(),
                     ..Medium::of_whole(&conductance, &frame.mask)
                 };
-                let sweeps = &plan.sweeps;
+                let sweeps = plan.sweeps();
                 let Some(tile) = plan.tile else {
                     return cpu::diffusion(undiffused, medium, sweeps, options, memory);
                 };

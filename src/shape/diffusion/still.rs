@@ -220,7 +220,7 @@ pub(crate) fn still_row(fma: bool, sums: &mut [f32], slopes: &[f32], weights: &[
 mod tests {
     use super::*;
     use crate::frame::Mask;
-    use crate::kernel::memory::Memory;
+    use crate::frame::memory::Memory;
     use crate::params::{RunOptions, Scale, ShapeParams, Solver, TileSize};
     use crate::shape::diffusion::LEVELS;
     use crate::shape::diffusion::cpu::diffusion;

@@ -1,6 +1,7 @@
 //! Number of applications of the diffusion operator, and their combination.
 
 use crate::params::{MAX_MIXED, Scale, ShapeParams, Solver};
+use crate::plan::Plan;
 use crate::shape::auto_levels::SIGMA_OF_DIFFERENCE_PX;
 use crate::shape::chebyshev::{Expansion, Spread, coefficients};
 use rayon::prelude::*;
@@ -13,6 +14,14 @@ pub(crate) struct DiffusionSchedule {
     /// How terms are combined into the result.
     pub readout: Readout,
     count: usize,
+}
+
+impl Plan {
+    /// The sweeps that diffuse the gradient.
+    pub(crate) fn sweeps(&self) -> &DiffusionSchedule {
+        let sweeps = self.settings.get();
+        sweeps.expect("every plan has them")
+    }
 }
 
 /// How a sweep computes the next term from the previous ones.

@@ -5,8 +5,8 @@
 //! the rows in flight, a few more than there are sweeps, the last two terms stay in the cache. A tile loses one pixel
 //! per sweep at its rim, and starts with that margin.
 
+use crate::frame::memory::Memory;
 use crate::frame::{Mask, Plane, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
 use crate::shape::conductance;
 use crate::shape::diffusion::kernel::{self, Chunk, Lanes, Sum, Sweep, TOGETHER};

@@ -3,8 +3,8 @@
 use crate::frame::gap::of_frame::Gaps;
 use crate::frame::gap::rows;
 use crate::frame::gap::rows::{Along, GROUP, GapRow};
+use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane, ToEye, Vector2Planes};
-use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::Plan;

@@ -1,18 +1,18 @@
 //! Edges on the device, and the gradient.
 
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::sight::{linear, to_eye};
-use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::{F32, I32};
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
 use crate::frame::gap::noise::TILE;
 use crate::frame::gap::of_frame::Gaps;
 use crate::frame::gap::pair::{CLOSED, DEPARTS, NOISES, STEEPEST, TURNS};
 use crate::frame::gap::scale::{FARTHEST, NEAREST};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::sight::{linear, to_eye};
+use crate::gpu::uniforms::uniforms;
+use crate::gpu::wgsl::Number::{F32, I32};
+use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::params::ShapeParams;
 use crate::plan::Plan;
+use crate::plan::recording::Recording;
 use crate::product::Product;
 use crate::shape::crease::CreaseDetector;
 use crate::shape::edges::SilhouetteSource;

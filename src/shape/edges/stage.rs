@@ -1,9 +1,9 @@
 //! Edges and the gradient: the first stage, since all others stop at edges.
 
-use crate::engine::cpu::execution::Execution;
-use crate::engine::outcome::Shape;
 use crate::frame::gap::GAP_REACH;
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
+use crate::plan::outcome::Shape;
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::edges::SilhouetteSource;

@@ -1,9 +1,9 @@
 //! From a frame to its height.
 
 use super::{NAME, Problem, Slopes, goes_over_edges, residual, solve};
-use crate::engine::cpu::execution::Execution;
 use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Window};
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 use crate::product::Product;
 use std::borrow::Cow;
 

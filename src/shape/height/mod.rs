@@ -22,7 +22,7 @@ const NAME: &str = "height";
 
 /// Whether the height goes on across edges: what casts shadows does, or letters would come loose from their ground.
 fn goes_over_edges(plan: &Plan) -> bool {
-    let relighting = plan.relighting.as_ref();
+    let relighting = plan.relighting();
     relighting.is_some_and(|relighting| relighting.casts_from_normals())
 }
 

@@ -1,9 +1,9 @@
 //! From a frame with its height to the sky it sees.
 
 use super::{NOTHING, Sky, sky};
-use crate::engine::cpu::execution::Execution;
 use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 use crate::plan::Plan;
+use crate::plan::execution::Execution;
 
 /// How far whole pixels may hide the sky.
 pub(super) fn radius_px(plan: &Plan) -> usize {

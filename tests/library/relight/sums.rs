@@ -2,10 +2,12 @@
 
 use super::{Asked, LIT, METHODS, bits, covered, lights, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
+use relievo::engine::{Engine, Request, Run};
 use relievo::frame::Frame;
 use relievo::light::lights::PointLight;
-use relievo::params::{Adaptive, Material, Tangent};
-use relievo::scenes::light_reference::{HORIZON, Pixel, Settings, hessian, reflected};
+use relievo::params::{Adaptive, Material, Params, Tangent};
+use relievo::plan::Goal;
+use relievo::scenes::light_reference::{HORIZON, Pixel, Settings, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
 fn worst(
@@ -15,7 +17,13 @@ fn worst(
 ) -> f64 {
     let outcome = asked.outcome(frame);
     let color = outcome.color.as_ref().unwrap();
-    let hessian = hessian(frame, asked.shape).unwrap();
+    let params = Params {
+        shape: asked.shape,
+        ..Params::default()
+    };
+    let layers = Request::new(Goal::LAYERS, params);
+    let layers = Engine::cpu().run(&layers, frame, &Run::new()).unwrap();
+    let hessian = layers.shape.hessian.unwrap();
     let gain = outcome.gain.unwrap_or(0.0);
     let m = &asked.relight.material;
     let settings = Settings {

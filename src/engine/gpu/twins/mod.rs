@@ -8,8 +8,8 @@ mod shader;
 mod table;
 mod words;
 
-use super::device::{Choice, Device, to_test_on};
-use super::kernels::Kernel;
+use crate::gpu::device::{Choice, Device, to_test_on};
+use crate::gpu::kernels::Kernel;
 use crate::stages::kernels::kernel_sources;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;

@@ -1,8 +1,8 @@
 //! Shaders that call one function of a kernel on every element of a buffer.
 
-use crate::engine::gpu::device::Device;
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::wait::wait_for;
+use crate::gpu::device::Device;
+use crate::gpu::kernels::Kernel;
+use crate::gpu::wait::wait_for;
 use wgpu::naga::front::wgsl;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgpu::naga::{AddressSpace, ArraySize, Function, Handle, Module, ScalarKind, Type, TypeInner};

@@ -7,7 +7,6 @@ use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::error_line::line_of;
-use crate::engine::outcome::Outcome;
 use crate::engine::{Engine, Inputs, Run, Session};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
@@ -16,6 +15,7 @@ use crate::io::output::picture::{Form, MadePicture};
 use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::light::lights::Illumination;
 use crate::plan::Plan;
+use crate::plan::outcome::Outcome;
 use crate::work::source::FrameSource;
 use crate::work::{FrameSeen, shape};
 use reading::LookFiles;
@@ -390,7 +390,7 @@ impl ViewSession {
 mod tests {
     use super::*;
     use crate::command::args::BackendArg;
-    use crate::engine::gpu::device::to_test_on;
+    use crate::gpu::device::to_test_on;
     use std::path::Path;
 
     /// The picture of each command, as shown in the window.

@@ -3,10 +3,10 @@
 use super::{Twin, coarse, each, twin, unit_vector};
 use crate::frame::facing;
 use crate::frame::gap::pair::{Gap, GapUnit, Side};
+use crate::kernel::fast_math::circular::SIXTH;
 use crate::kernel::fast_math::circular::{ATAN, rest_of_tangent};
 use crate::kernel::fast_math::exponential::{EXP, LN, split_exp};
 use crate::kernel::fast_math::{atan, atan2, exp, ln, polynomial, power_of_two, tanh};
-use crate::light::light_warping::SIXTH;
 use crate::light::relight::gpu::RELIGHT;
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::conductance::face_conductance;

@@ -1,7 +1,7 @@
 //! Passes over the frame: rows in parallel, skipping columns without surface.
 
+use crate::frame::memory::Memory;
 use crate::frame::{MOST_ROWS_PER_TASK, Mask, Plane, parallel_rows};
-use crate::kernel::memory::Memory;
 use rayon::prelude::*;
 
 /// Minimum number of rows per task, to be worth scheduling.

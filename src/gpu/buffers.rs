@@ -1,6 +1,6 @@
 //! Device memory: buffers of finished runs, reused.
 
-use crate::engine::gpu::device::Device;
+use crate::gpu::device::Device;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use wgpu::BufferUsages;
 

@@ -19,14 +19,14 @@ pub struct Progress {
 pub(crate) struct Watch<'a> {
     /// The caller's function, and the largest share reported so far, as bits: non-negative floats order like their
     /// bits.
-    pub(super) progress: Option<(&'a Tell<'a>, &'a AtomicU32)>,
+    pub(crate) progress: Option<(&'a Tell<'a>, &'a AtomicU32)>,
     /// The share of the work that came before these passes.
-    pub(super) before: f32,
-    pub(super) cancel: Option<&'a CancelToken>,
+    pub(crate) before: f32,
+    pub(crate) cancel: Option<&'a CancelToken>,
 }
 
 /// A caller's function for progress.
-pub(super) type Tell<'a> = dyn Fn(Progress) + Sync + 'a;
+pub(crate) type Tell<'a> = dyn Fn(Progress) + Sync + 'a;
 
 impl Watch<'_> {
     /// Reports that a pass begins, with the approximate share of work completed. In strips the stages report shares of

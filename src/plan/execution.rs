@@ -1,30 +1,37 @@
 //! One run of a plan: a frame on its way through the stages.
 
-use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::inputs::Inputs;
-use crate::engine::outcome::Outcome;
-use crate::engine::watch::Watch;
-use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
-use crate::kernel::memory::Memory;
-use crate::light::prepared_environment::EnvironmentCache;
-use crate::line::canvas::Canvas;
-use crate::line::specular::map_directions::DirectionCache;
-use crate::line::tonal_art_map::cached::ArtMapCache;
+use crate::frame::memory::Memory;
+use crate::frame::{Frame, Plane, SpecularScene, Vector2Planes, Vector3Planes};
+use crate::kernel::shelf::{Caches, Lent, Shelf};
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::Plan;
+use crate::plan::drawing::SequenceInputs;
+use crate::plan::frame_cache::FrameCache;
+use crate::plan::outcome::Outcome;
+use crate::plan::watch::Watch;
 use crate::product::Product;
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Runs plans one after another. Recycled outcomes provide memory for the next ones, and the last prepared environment
-/// and stroke texture are cached, for speed. No option changes a bit of the outcome.
+/// Runs plans one after another. Recycled outcomes provide memory for the next ones, and stages keep what takes long to
+/// prepare. No option changes a bit of the outcome.
 #[derive(Debug, Default)]
 pub(crate) struct Runner {
     pub(crate) options: RunOptions,
     pub(crate) memory: Memory,
-    pub(crate) environment: EnvironmentCache,
-    pub(crate) art_map: ArtMapCache,
-    pub(crate) map_directions: DirectionCache,
+    /// What stages prepared for earlier runs.
+    pub(crate) caches: Caches,
+}
+
+/// What a run takes beside its plan and its frame.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Given<'a> {
+    /// What mirrors and lenses show.
+    pub(crate) specular: Option<&'a SpecularScene>,
+    /// What the previous frame of a sequence left.
+    pub(crate) sequence: Option<SequenceInputs<'a>>,
+    /// New light, and a texture of strokes.
+    pub(crate) others: Lent<'a>,
 }
 
 /// The context of a stage: inputs, results of earlier stages, and storage for its own.
@@ -33,7 +40,7 @@ pub(crate) struct Execution<'a> {
     pub(crate) frame: &'a Frame,
     /// The frame that this one is a part of, if it is.
     pub(crate) whole: Option<&'a Frame>,
-    pub(crate) inputs: Inputs<'a>,
+    pub(crate) inputs: Given<'a>,
     pub(crate) runner: &'a Runner,
     /// The runner's planes, and whether this run has been cancelled.
     pub(crate) memory: &'a Memory,
@@ -53,7 +60,8 @@ pub(crate) struct Execution<'a> {
     pub(crate) lengths: Option<Plane>,
     /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
-    pub(crate) canvas: Canvas,
+    /// What stages of one subject hand on.
+    pub(crate) handed_on: Shelf,
 }
 
 /// What the stages so far have made, between two of them.
@@ -63,7 +71,7 @@ pub(crate) struct Interim {
     undiffused: Option<Vector2Planes>,
     more_gradients: Vec<Vector2Planes>,
     trace: Option<Plane>,
-    canvas: Canvas,
+    handed_on: Shelf,
 }
 
 impl<'a> Execution<'a> {
@@ -71,7 +79,7 @@ impl<'a> Execution<'a> {
         runner: &'a Runner,
         plan: &'a Plan,
         frame: &'a Frame,
-        inputs: Inputs<'a>,
+        inputs: Given<'a>,
     ) -> Self {
         Self {
             plan,
@@ -89,7 +97,7 @@ impl<'a> Execution<'a> {
             normals: None,
             lengths: None,
             trace: None,
-            canvas: Canvas::default(),
+            handed_on: Shelf::default(),
         }
     }
 
@@ -100,7 +108,7 @@ impl<'a> Execution<'a> {
             undiffused: interim.undiffused,
             more_gradients: interim.more_gradients,
             trace: interim.trace,
-            canvas: interim.canvas,
+            handed_on: interim.handed_on,
             ..self
         }
     }
@@ -112,7 +120,7 @@ impl<'a> Execution<'a> {
             undiffused: self.undiffused,
             more_gradients: self.more_gradients,
             trace: self.trace,
-            canvas: self.canvas,
+            handed_on: self.handed_on,
         }
     }
 

@@ -1,13 +1,13 @@
 //! Sight lines as uniforms and in WGSL.
 
-use crate::engine::gpu::wgsl::Number::F32;
-use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::{Frame, MIN_SEEN, Projection, SightLines};
+use crate::gpu::wgsl::Number::F32;
+use crate::gpu::wgsl::{Wgsl, wgsl};
 use glam::{DVec2, DVec3};
 
 /// Sight lines, and the projection of tangents along them.
 pub(crate) const SIGHT_LINES: Wgsl = wgsl!(
-    "../../frame/sight_lines.wgsl",
+    "../frame/sight_lines.wgsl",
     [("MIN_SEEN", F32(MIN_SEEN as f32))]
 );
 

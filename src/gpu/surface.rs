@@ -1,8 +1,8 @@
 //! A frame on the device.
 
-use crate::engine::gpu::buffers::{Buffers, Purpose};
-use crate::engine::gpu::device::Device;
 use crate::frame::{Mask, Plane};
+use crate::gpu::buffers::{Buffers, Purpose};
+use crate::gpu::device::Device;
 use rayon::prelude::*;
 
 /// Uploads planes.
@@ -24,7 +24,7 @@ impl Upload<'_> {
         buffer
     }
 
-    pub(super) fn coverage(self, mask: &Mask) -> wgpu::Buffer {
+    pub(crate) fn coverage(self, mask: &Mask) -> wgpu::Buffer {
         let words: Vec<u32> = (0..mask.height())
             .flat_map(|y| {
                 mask.row(y).chunks(32).map(|pixels| {

@@ -1,22 +1,18 @@
 //! One frame on its way through the kernels.
 
-use crate::engine::cpu::execution::Execution;
-use crate::engine::gpu::buffers::{Buffers, Purpose};
-use crate::engine::gpu::constants::GROUP;
-use crate::engine::gpu::device::Device;
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::recorder::{KERNELS, Recorder, Submitted, Timings};
-use crate::engine::gpu::surface::Upload;
-use crate::engine::gpu::uniforms::{Uniforms, bytes_of};
-use crate::engine::outcome::add_timings;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use crate::kernel::last::Last;
-use crate::light::relight::gpu_lights::Light;
-use crate::line::hatching::gpu_texture::Texture;
-use crate::line::tonal_art_map::TonalArtMap;
+use crate::gpu::buffers::{Buffers, Purpose};
+use crate::gpu::constants::GROUP;
+use crate::gpu::device::Device;
+use crate::gpu::kernels::Kernel;
+use crate::gpu::recorder::{KERNELS, Recorder, Submitted, Timings};
+use crate::gpu::surface::Upload;
+use crate::gpu::uniforms::{Uniforms, bytes_of};
+use crate::kernel::shelf::Lent;
+use crate::kernel::timings::add_timings;
 use crate::plan::Plan;
-use crate::shape::diffusion::importance::Levels;
+use crate::plan::execution::Execution;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -30,26 +26,22 @@ pub(crate) const PICTURE: [&str; 3] = ["red", "green", "blue"];
 pub(crate) struct Recording<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
-    /// New light, if the frame gets any.
-    pub(crate) light: Option<&'a Light<'a>>,
+    /// What is on the device already: new light, and textures of strokes from earlier runs.
+    pub(crate) lent: Lent<'a>,
     pub(crate) device: &'a Device,
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
     /// Columns and rows.
     pub(crate) size: [u32; 2],
     /// Planes by the names that they have in kernels, and what they were taken for.
-    pub(super) planes: BTreeMap<&'static str, (wgpu::Buffer, Purpose)>,
+    pub(crate) planes: BTreeMap<&'static str, (wgpu::Buffer, Purpose)>,
     /// Gradients and curvatures at further scales.
     pub(crate) more_gradients: Vec<wgpu::Buffer>,
     pub(crate) more_curvatures: Vec<wgpu::Buffer>,
-    /// Levels of importance, if the sweeps are weighted by them: their planes are `levels`.
-    pub(crate) importance: Option<Levels>,
     /// The CPU run, for automatic choices, and for stages or parts of them without kernels. Its outcome is the result.
     pub(crate) host: Execution<'a>,
-    /// The stroke texture cached from earlier runs.
-    pub(crate) texture: &'a Last<TonalArtMap, Texture>,
     /// The submission in progress, if the run is observed.
-    pub(super) at_work: Option<Submitted<'a>>,
+    pub(crate) at_work: Option<Submitted<'a>>,
     /// Timings of submissions waited for so far.
     pub(crate) waited: Timings,
     /// Buffers uploaded during recording.
@@ -58,7 +50,7 @@ pub(crate) struct Recording<'a> {
 
 impl<'a> Recording<'a> {
     /// Submits the recorded work once the previous submission has finished.
-    pub(super) fn hand_over(&mut self) -> Result<()> {
+    pub(crate) fn hand_over(&mut self) -> Result<()> {
         let before = self.at_work.replace(self.recorder.submit(&[]));
         let start = Instant::now();
         if let Some(before) = before {
@@ -139,8 +131,8 @@ impl<'a> Recording<'a> {
     }
 
     /// Copies the planes that shape is found from.
-    pub(super) fn upload_surface(&mut self) {
-        let (plan, frame) = (self.plan, self.frame);
+    pub(crate) fn upload_surface(&mut self) {
+        let frame = self.frame;
         let covered = self.upload().coverage(&frame.mask);
         self.planes.insert("covered", (covered, Purpose::Upload));
         let normal = &frame.normal;
@@ -148,11 +140,6 @@ impl<'a> Recording<'a> {
         self.upload_as("normal_y", Some(&normal.y));
         self.upload_as("normal_z", Some(&normal.z));
         self.upload_as("normal_length", frame.normal_length.as_ref());
-        if let Some(levels) = Levels::of(frame, &plan.sweeps) {
-            let numbers = levels.plane.map(|level| f32::from_bits(level.into()));
-            self.upload_as("levels", Some(&numbers));
-            self.importance = Some(levels);
-        }
     }
 
     /// Gives up a plane that no later kernel takes.

@@ -1,8 +1,8 @@
 //! The device: adapter selection and capabilities.
 
-use crate::engine::gpu::limits;
-use crate::engine::gpu::wait::look_after;
 use crate::error::{Error, Result};
+use crate::gpu::limits;
+use crate::gpu::wait::look_after;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The process that loaded the drivers: they do not work in those that are forked off it.

@@ -46,10 +46,10 @@ impl Display for Number {
 /// The WGSL of a neighbouring file, and the Rust constants it uses.
 macro_rules! wgsl {
     ($file:literal) => {
-        $crate::engine::gpu::wgsl::wgsl!($file, [])
+        $crate::gpu::wgsl::wgsl!($file, [])
     };
     ($file:literal, $numbers:expr) => {
-        $crate::engine::gpu::wgsl::Wgsl {
+        $crate::gpu::wgsl::Wgsl {
             text: include_str!($file),
             numbers: &$numbers,
         }

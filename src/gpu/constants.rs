@@ -1,9 +1,8 @@
 //! Workgroup sizes, and the constants that every kernel takes from Rust.
 
-use crate::engine::gpu::wgsl::Number;
-use crate::kernel::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN_EIGHTH_PI};
+use crate::gpu::wgsl::Number;
+use crate::kernel::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, SIXTH, TAN_EIGHTH_PI};
 use crate::kernel::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
-use crate::light::light_warping::SIXTH;
 use std::f32::consts;
 use std::fmt::Write;
 

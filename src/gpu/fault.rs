@@ -1,7 +1,7 @@
 //! Device faults.
 
-use crate::engine::gpu::device::Device;
 use crate::error::Error;
+use crate::gpu::device::Device;
 
 /// Why a run failed.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! The cache of a session: results reusable by the next run of the same frame.
 
-use crate::engine::outcome::Shape;
+use crate::plan::outcome::Shape;
 use crate::product::Product;
 use std::any::Any;
 use std::collections::{BTreeMap, HashMap};

@@ -1,8 +1,8 @@
 //! Kernels: WGSL composed of shared parts.
 
-use crate::engine::gpu::constants::{STRIP_ROWS, constants};
-use crate::engine::gpu::uniforms::Uniforms;
-use crate::engine::gpu::wgsl::Wgsl;
+use crate::gpu::constants::{STRIP_ROWS, constants};
+use crate::gpu::uniforms::Uniforms;
+use crate::gpu::wgsl::Wgsl;
 
 /// A kernel, declared beside the pass that runs it.
 #[derive(Debug)]
@@ -96,7 +96,7 @@ impl Kernel {
                 "@group(0) @binding({at}) var<storage, {access}> {name}: array<{element}>;\n"
             );
         }
-        source += include_str!("../../kernel/fast_math/fast_math.wgsl");
+        source += include_str!("../kernel/fast_math/fast_math.wgsl");
         source += include_str!("index.wgsl");
         if self.bindings().any(|buffer| buffer.name == "covered") {
             source += include_str!("coverage.wgsl");

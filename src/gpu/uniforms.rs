@@ -56,18 +56,18 @@ macro_rules! uniforms {
             $(#[$doc])*
             #[derive(Debug, Clone, Copy)]
             pub(crate) struct $name {
-                $($(#[$field_doc])* pub(crate) $field: $crate::engine::gpu::uniforms::field!($kind),)*
+                $($(#[$field_doc])* pub(crate) $field: $crate::gpu::uniforms::field!($kind),)*
             }
 
-            impl $crate::engine::gpu::uniforms::Uniforms for $name {
+            impl $crate::gpu::uniforms::Uniforms for $name {
                 const WGSL: &'static str = concat!(
                     "struct ", stringify!($name), " {\n    width: u32,\n    height: u32,\n",
-                    $("    ", stringify!($field), ": ", $crate::engine::gpu::uniforms::wgsl_field!($kind), ",\n",)*
+                    $("    ", stringify!($field), ": ", $crate::gpu::uniforms::wgsl_field!($kind), ",\n",)*
                     "}\n@group(0) @binding(0) var<uniform> params: ", stringify!($name), ";\n",
                 );
 
                 fn add_to(&self, bytes: &mut Vec<u8>) {
-                    $($crate::engine::gpu::uniforms::Field::add_to(&self.$field, bytes);)*
+                    $($crate::gpu::uniforms::Field::add_to(&self.$field, bytes);)*
                 }
             }
         )*

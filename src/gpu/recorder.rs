@@ -1,11 +1,11 @@
 //! Records kernels and their inputs in order of execution.
 
-use crate::engine::gpu::buffers::{Buffers, Purpose};
-use crate::engine::gpu::device::Device;
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::wait::wait_for;
-use crate::engine::outcome::add_timings;
 use crate::error::{Error, Result};
+use crate::gpu::buffers::{Buffers, Purpose};
+use crate::gpu::device::Device;
+use crate::gpu::kernels::Kernel;
+use crate::gpu::wait::wait_for;
+use crate::kernel::timings::add_timings;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError, mpsc};
@@ -91,7 +91,7 @@ pub(crate) struct Recorder<'d> {
     /// When the first kernel was recorded.
     start: Option<Instant>,
     /// Why the recorded work cannot run.
-    pub(super) failed: Option<Error>,
+    pub(crate) failed: Option<Error>,
 }
 
 impl<'d> Recorder<'d> {

@@ -1,6 +1,6 @@
 //! Device limits that the kernels need, and the largest picture they allow.
 
-use crate::engine::gpu::constants::{GROUP, REGION, REGION_GROUP_ROWS, SWEEPS_PER_PASS};
+use crate::gpu::constants::{GROUP, REGION, REGION_GROUP_ROWS, SWEEPS_PER_PASS};
 
 /// Maximum number of storage buffers of a kernel.
 const STORAGE_BUFFERS: u32 = 16;
