@@ -31,34 +31,38 @@ pub(crate) fn normals_of_depth(
 ) -> Vector3Planes {
     let is_perspective = matches!(projection, Projection::Perspective { .. });
     let sky = sky_of(depth, stored);
-    let value = |x: usize, y: usize, d: f32| -> f32 {
-        let range = d.clamp(0.0, 1.0);
-        let if_distance = |near: f32| if is_distance(d) { near } else { f32::NAN };
-        let nearness = match stored {
-            StoredDepth::Height => return d,
-            StoredDepth::Planar | StoredDepth::Relative => if_distance(1.0 / d),
-            StoredDepth::Ray => {
-                let at = window.middle(x, y);
-                if_distance(projection.to_eye(at.x, at.y).extend(1.0).length() as f32 / d)
+    let values_of = |values: &mut [f32], y: usize| {
+        let depth = depth.row(y);
+        let if_distance = |d: f32, near: f32| if is_distance(d) { near } else { f32::NAN };
+        match stored {
+            StoredDepth::Height => values.copy_from_slice(depth),
+            StoredDepth::Planar | StoredDepth::Relative => {
+                row_of(values, depth, |d| if_distance(d, 1.0 / d));
             }
-            StoredDepth::Inverse if d > 0.0 => d,
-            StoredDepth::Inverse => f32::NAN,
-            _ if sky == Some(range) => f32::NAN,
-            StoredDepth::WhiteFar => 1.0 / (1.0 + (FAR_TO_NEAR - 1.0) * range),
-            StoredDepth::NormalizedNearIsOne if sky.is_some() => range,
-            StoredDepth::NormalizedNearIsOne => range + (1.0 - range) / FAR_TO_NEAR,
-        };
-        if is_perspective {
-            nearness
-        } else {
-            -1.0 / nearness
+            StoredDepth::Ray => {
+                for (x, (value, &d)) in values.iter_mut().zip(depth).enumerate() {
+                    let at = window.middle(x, y);
+                    let length = projection.to_eye(at.x, at.y).extend(1.0).length() as f32;
+                    *value = if_distance(d, length / d);
+                }
+            }
+            StoredDepth::Inverse => row_of(values, depth, |d| if d > 0.0 { d } else { f32::NAN }),
+            mapped => row_of(values, depth, |d| match (d.clamp(0.0, 1.0), mapped) {
+                (range, _) if sky == Some(range) => f32::NAN,
+                (range, StoredDepth::WhiteFar) => 1.0 / (1.0 + (FAR_TO_NEAR - 1.0) * range),
+                (range, _) if sky.is_some() => range,
+                (range, _) => range + (1.0 - range) / FAR_TO_NEAR,
+            }),
+        }
+        if !is_perspective && stored != StoredDepth::Height {
+            values.iter_mut().for_each(|value| *value = -1.0 / *value);
+        }
+        for (x, value) in values.iter_mut().enumerate() {
+            let is_value = shown(x, y) & (value.abs() < TOO_LARGE);
+            *value = if is_value { *value } else { f32::NAN };
         }
     };
-    let mut values = Plane::of_pixels(depth.width(), depth.height(), |x, y| {
-        let value = value(x, y, depth.at(x, y));
-        let is_value = shown(x, y) && value.abs() < TOO_LARGE;
-        if is_value { value } else { f32::NAN }
-    });
+    let mut values = Plane::of_rows(depth.width(), depth.height(), |y, row| values_of(row, y));
     // Rounding of distances, as it is in their inverses: the derivative of 1/z is -1/z^2.
     let of_distance = |far: f32| {
         move |value: f32| match is_perspective {
@@ -89,6 +93,13 @@ pub(crate) fn normals_of_depth(
     };
     let found = slopes(&mut values, &rounding);
     normals(values, found, projection, window)
+}
+
+/// A row of what depth stands for.
+fn row_of(values: &mut [f32], depth: &[f32], of: impl Fn(f32) -> f32) {
+    wide!(for (value, &depth) in values.iter_mut().zip(depth) {
+        *value = of(depth);
+    });
 }
 
 /// How finely depth was stored.

@@ -26,6 +26,7 @@ mod outlines;
 mod points;
 mod relight;
 mod resolution;
+mod rooms;
 mod sanitize;
 mod scales;
 mod scenes;

@@ -32,31 +32,42 @@ pub(super) fn choose(slopes: [Plane; 2], links: &Links, noise: &Noise) -> [Plane
     between(levels, &reached)
 }
 
+/// Pixels of a row that are looked at together, at all levels.
+const TOGETHER: usize = 256;
+
 /// The last level that agrees with all before it, in row `y`.
 #[inline(always)]
 fn reach(reached: &mut [u8], levels: &[[Plane; 2]], noise: &Noise, y: usize) {
-    let [mut half, mut agrees] = [0.0, 1.0].map(|v: f32| vec![v; reached.len()]);
-    let mut intervals = [(); 2]
-        .map(|()| [f32::NEG_INFINITY, f32::INFINITY].map(|bound| vec![bound; reached.len()]));
-    for (level, here) in levels.iter().enumerate() {
-        let wider = &levels[(level + 1).min(levels.len() - 1)];
-        let wider = wider.each_ref().map(|plane| plane.row(y));
-        half_widths(&mut half, level, wider, noise, y);
-        for ([low, high], slopes) in intervals.iter_mut().zip(here) {
-            intersect(low, high, slopes.row(y), &half, &mut agrees);
+    let steps = noise.steps(y);
+    for (i, reached) in reached.chunks_mut(TOGETHER).enumerate() {
+        let span = i * TOGETHER..i * TOGETHER + reached.len();
+        let mut half = [0.0; TOGETHER];
+        let mut agrees = [1.0; TOGETHER];
+        let mut count = [0.0; TOGETHER];
+        let mut intervals = [[[f32::NEG_INFINITY; TOGETHER], [f32::INFINITY; TOGETHER]]; 2];
+        for (level, here) in levels.iter().enumerate() {
+            let wider = &levels[(level + 1).min(levels.len() - 1)];
+            let wider = [0, 1].map(|axis| &wider[axis].row(y)[span.clone()]);
+            half_widths(&mut half, level, wider, noise, &steps[span.clone()]);
+            for ([low, high], slopes) in intervals.iter_mut().zip(here) {
+                let slopes = &slopes.row(y)[span.clone()];
+                intersect(low, high, slopes, &half, &mut agrees);
+            }
+            if level > 0 {
+                let counts = count.iter_mut().zip(&agrees);
+                counts.for_each(|(count, agrees)| *count += agrees);
+            }
         }
-        if level > 0 {
-            let rows = reached.iter_mut().zip(&agrees);
-            rows.for_each(|(reached, &agrees)| *reached += agrees as u8);
-        }
+        let counts = reached.iter_mut().zip(count);
+        counts.for_each(|(reached, count)| *reached = count as u8);
     }
 }
 
-/// Half the widths of confidence intervals of slopes in row `y`, given those at the next width.
+/// Half the widths of confidence intervals of slopes, given those at the next width.
 #[inline(always)]
-fn half_widths(half: &mut [f32], level: usize, wider: [&[f32]; 2], noise: &Noise, y: usize) {
+fn half_widths(half: &mut [f32], level: usize, wider: [&[f32]; 2], noise: &Noise, steps: &[f32]) {
     let scale = CONFIDENCES[level] * GAINS[level];
-    let slopes = wider[0].iter().zip(wider[1]).zip(noise.steps(y));
+    let slopes = wider[0].iter().zip(wider[1]).zip(steps);
     for (half, ((p, q), &step)) in half.iter_mut().zip(slopes) {
         *half = scale * noise.deviation(step);
         if noise.has_steps() {
@@ -108,18 +119,19 @@ fn between(mut levels: Vec<[Plane; 2]>, reached: &Plane<u8>) -> [Plane; 2] {
     let wider = levels.split_off(1);
     let mut chosen = levels.remove(0);
     let rows = parallel_rows(chosen.each_mut()).with_max_len(MOST_ROWS_PER_TASK);
-    let scratch = || (vec![0.0; width + 4], vec![0.0; width]);
-    rows.for_each_init(scratch, |(column, smooth), (y, chosen)| {
+    let scratch = || (vec![0.0; width + 4], [(); 2].map(|()| vec![0.0; width]));
+    rows.for_each_init(scratch, |(column, [smooth, first]), (y, chosen)| {
         let near: [&[u8]; 5] = std::array::from_fn(|i| {
             &reached.row((y + i).saturating_sub(2).min(height - 1))[..width]
         });
         wide!(smooth_levels(smooth, column, near));
         for (axis, chosen) in chosen.into_iter().enumerate() {
-            let mut from = chosen.to_vec();
+            first.copy_from_slice(chosen);
+            let mut from = &first[..];
             for (level, to) in wider.iter().enumerate() {
                 let to = to[axis].row(y);
-                wide!(go_on(chosen, &from, to, smooth, level as f32));
-                from.copy_from_slice(to);
+                wide!(go_on(chosen, from, to, smooth, level as f32));
+                from = to;
             }
         }
     });
@@ -130,15 +142,17 @@ fn between(mut levels: Vec<[Plane; 2]>, reached: &Plane<u8>) -> [Plane; 2] {
 #[inline(always)]
 fn smooth_levels(smooth: &mut [f32], column: &mut [f32], near: [&[u8]; 5]) {
     let width = smooth.len();
-    for (x, mean_of) in column[2..][..width].iter_mut().enumerate() {
-        *mean_of = binomial(near.map(|row| f32::from(row[x])));
+    let [a, b, c, d, e] = near;
+    for x in 0..width {
+        column[x + 2] = binomial([a[x], b[x], c[x], d[x], e[x]].map(f32::from));
     }
     let [first, last] = [column[2], column[width + 1]];
     column[..2].fill(first);
     column[width + 2..].fill(last);
-    for ((smooth, five), &own) in smooth.iter_mut().zip(column.windows(5)).zip(near[2]) {
-        let mean = binomial(five.try_into().expect("five"));
-        *smooth = smaller(mean, f32::from(own));
+    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i| &column[i..i + width]);
+    for x in 0..width {
+        let mean = binomial([a[x], b[x], c[x], d[x], e[x]]);
+        smooth[x] = smaller(mean, f32::from(near[2][x]));
     }
 }
 

@@ -3,6 +3,7 @@
 use super::Rounding;
 use crate::frame::{Mask, Plane};
 use crate::kernel::quantile::quantile;
+use rayon::prelude::*;
 
 /// Number of pixels that noise is estimated from: to 2 %.
 const PIXELS: usize = 4096;
@@ -89,49 +90,49 @@ impl Noise {
 /// Standard deviation of white noise, the least that differences along rows and columns show, and the median size of
 /// values; 0 where nothing is known.
 fn white_noise(values: &Plane) -> (f32, f32) {
-    let mut sizes = Vec::with_capacity(PIXELS);
-    let mut differences: [[Vec<f32>; ORDERS.len()]; 2] = Default::default();
     let mut finite = Plane::filled(values.width(), values.height(), false);
     finite.each_row(|y, row| {
         let pairs = row.iter_mut().zip(values.row(y));
         pairs.for_each(|(finite, value)| *finite = value.is_finite());
     });
-    let valid = Mask::new(finite);
-    for (x, y) in valid.sample(PIXELS) {
-        let value = |x: Option<usize>, y: Option<usize>| {
-            let (x, y) = (
-                x.filter(|&x| x < values.width())?,
-                y.filter(|&y| y < values.height())?,
-            );
-            Some(values.at(x, y))
-        };
-        let lines: [[Option<f32>; LINE]; 2] = [
-            std::array::from_fn(|i| value((x + i).checked_sub(BEFORE), Some(y))),
-            std::array::from_fn(|i| value(Some(x), (y + i).checked_sub(BEFORE))),
-        ];
-        sizes.extend(Some(values.at(x, y).abs()).filter(|size| size.is_finite()));
-        for (line, differences) in lines.into_iter().zip(&mut differences) {
-            let mut line = line.map(|value| value.unwrap_or(f32::NAN));
-            let mut order = 0;
-            for (differences, (wanted, _)) in differences.iter_mut().zip(ORDERS) {
-                while order < wanted {
-                    order += 1;
-                    (0..LINE - order).for_each(|i| line[i] = line[i + 1] - line[i]);
-                }
-                let middle = line[BEFORE - order / 2].abs();
-                differences.extend(Some(middle).filter(|d| d.is_finite()));
-            }
-        }
-    }
-    let median = |values: &mut Vec<f32>| quantile(values, 0.5, f32::total_cmp);
-    let noise = differences
-        .iter_mut()
-        .flat_map(|orders| orders.iter_mut().zip(ORDERS));
-    let noise = noise.filter_map(|(differences, (_, squares))| {
-        Some(median(differences)? / (NORMAL_MEDIAN * squares.sqrt()))
+    let places: Vec<_> = Mask::new(finite).sample(PIXELS).collect();
+    let value = |x: Option<usize>, y: Option<usize>| match (x, y) {
+        (Some(x), Some(y)) if x < values.width() && y < values.height() => values.at(x, y),
+        _ => f32::NAN,
+    };
+    // The differences of each order along a row and a column: places are far from each other in memory.
+    let seen: Vec<_> = places
+        .par_iter()
+        .map(|&(x, y)| {
+            let row = std::array::from_fn(|i| value((x + i).checked_sub(BEFORE), Some(y)));
+            let column = std::array::from_fn(|i| value(Some(x), (y + i).checked_sub(BEFORE)));
+            [row, column].map(differences)
+        })
+        .collect();
+    let median = |values: &mut dyn Iterator<Item = f32>| {
+        let mut finite: Vec<_> = values.filter(|v| v.is_finite()).collect();
+        quantile(&mut finite, 0.5, f32::total_cmp)
+    };
+    let noise = (0..2).flat_map(|axis| (0..ORDERS.len()).map(move |order| (axis, order)));
+    let noise = noise.filter_map(|(axis, order)| {
+        let deviation = NORMAL_MEDIAN * ORDERS[order].1.sqrt();
+        Some(median(&mut seen.iter().map(|seen| seen[axis][order]))? / deviation)
     });
+    let sizes = &mut places.iter().map(|&(x, y)| values.at(x, y).abs());
     (
         noise.reduce(f32::min).unwrap_or(0.0),
-        median(&mut sizes).unwrap_or(0.0),
+        median(sizes).unwrap_or(0.0),
     )
+}
+
+/// The sizes of the differences of each order in the middle of a line of samples; NaN where one is missing.
+fn differences(mut line: [f32; LINE]) -> [f32; ORDERS.len()] {
+    let mut order = 0;
+    ORDERS.map(|(wanted, _)| {
+        while order < wanted {
+            order += 1;
+            (0..LINE - order).for_each(|i| line[i] = line[i + 1] - line[i]);
+        }
+        line[BEFORE - order / 2].abs()
+    })
 }
