@@ -100,10 +100,10 @@ fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
         projection: true,
         ..Needs::default()
     };
-    let height = files.extent(&inputs, needs)?.window.height();
     let bytes = frame_bytes(&inputs.picture, 0, false);
     let mut note = None;
     if bytes > MOST_BYTES {
+        let height = files.extent(&inputs, needs)?.window.height();
         let row = bytes.div_ceil(height.max(1) as u64);
         let rows = ((MOST_BYTES - MOST_OF_A_PHOTO) / row).clamp(1, height as u64) as usize;
         let first = (height - rows) / 2;

@@ -72,7 +72,11 @@ impl WorkArgs {
 
     /// Files and layers to read.
     pub(crate) fn inputs(&self) -> Inputs {
-        self.roles.inputs(&self.input)
+        let pixel = self.flags.params.pixel_size;
+        Inputs {
+            height_unit_px: pixel.map(|pixel| pixel.unit_mm / pixel.mm),
+            ..self.roles.inputs(&self.input)
+        }
     }
 
     /// Estimated memory, in bytes, for processing `picture`.

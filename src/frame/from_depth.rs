@@ -123,7 +123,8 @@ impl Precision {
         }
     }
 
-    /// That of numbers which nothing else is known of: whole ones are codes, and so are those that halves can hold.
+    /// That of numbers which nothing else is known of: whole ones are codes, so are shares of the largest code of a picture,
+    /// and those that halves can hold are halves.
     fn of(numbers: &Plane) -> Self {
         let all = |holds: fn(f32) -> bool| {
             let mut finite = numbers.samples().iter().filter(|v| v.is_finite());
@@ -133,8 +134,12 @@ impl Precision {
             Self::Float
         } else if all(|v| v.fract() == 0.0) {
             Self::Codes(1.0)
+        } else if all(|v| is_code(v, 255.0)) {
+            Self::Codes(1.0 / 255.0)
         } else if all(|v| f32::from(f16::from_f32(v)) == v) {
             Self::Half
+        } else if all(|v| is_code(v, 65_535.0)) {
+            Self::Codes(1.0 / 65_535.0)
         } else {
             Self::Float
         }
@@ -156,6 +161,12 @@ impl Precision {
             Self::Codes(step) => step,
         }
     }
+}
+
+/// Whether a number from 0 to 1 is a code over the largest one, as exactly as floats hold it.
+fn is_code(number: f32, most: f32) -> bool {
+    let code = number * most;
+    (0.0..=1.0).contains(&number) && (code - code.round()).abs() <= f32::EPSILON * most
 }
 
 /// The least value of depth that marks no near and no far, where it stands for the sky.
@@ -248,6 +259,8 @@ mod tests {
         assert_eq!(of(|i| 1.0 + i / 1024.0), Precision::Half);
         assert_eq!(of(|i| 1.0 + i / 3.0), Precision::Float);
         assert_eq!(of(|_| 0.0), Precision::Float);
+        assert_eq!(of(|i| 3.0 * i / 255.0), Precision::Codes(1.0 / 255.0));
+        assert_eq!(of(|i| i / 65_535.0), Precision::Codes(1.0 / 65_535.0));
         assert_eq!(
             of(|i| if i > 3.0 { f32::NAN } else { i }),
             Precision::Codes(1.0)

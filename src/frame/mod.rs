@@ -242,9 +242,13 @@ impl Frame {
         sum >= FLAT * count as f64
     }
 
-    /// Whether it is a photo or a map of a surface without gaps: no depth but heights, and no passes of light.
+    /// Whether it is a photo or a map of a surface without gaps: no depth but heights, no passes of light, and no perspective
+    /// that is known.
     pub(crate) fn is_map(&self) -> bool {
-        !self.source.light_passes && (self.depth.is_none() || self.source.heights)
+        let projection = self.camera.map(|camera| camera.projection);
+        let is_near = matches!(projection, Some(Projection::Perspective { .. }));
+        let is_alone = self.depth.is_none() && !is_near;
+        !self.source.light_passes && (is_alone || self.source.heights)
     }
 
     /// Whether any of its borders continue each other.

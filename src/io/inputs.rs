@@ -103,9 +103,11 @@ rows! {
         /// Quantity stored as depth.
         pub depth_kind: std::option::Option<StoredDepth> =
             [long, value_name = "KIND", hide_short_help = true, default_value = "auto", value_parser = auto_or(StoredDepth::ALL)];
-        /// Pixels that a height of 1 is high. By default floats are pixels, and white is a tenth of the longer side in
-        /// pictures of integers.
+        /// Pixels that a height of 1 is high. By default floats are pixels, or in the unit of --pixel-size where it is given,
+        /// and white is a tenth of the longer side in pictures of integers.
         pub height_scale: Option<f32> = [long, value_name = "PIXELS", hide_short_help = true, requires = "height"];
+        /// Pixels that a unit of heights in floats is high, where no scale is given.
+        pub height_unit_px: Option<f32> = [skip];
         /// Colour space of the inputs: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos are srgb
         /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
         pub colorspace: std::option::Option<ColorSpace> =
@@ -156,6 +158,8 @@ pub struct Needs {
     /// The camera's projection: for gaps of depth, a foreshortened gradient and much else. Where it is not needed a camera is
     /// not searched for.
     pub projection: bool,
+    /// The picture as a map of normals, where it is a photo and nothing else shows the surface.
+    pub map: bool,
     /// Motion since the previous frame, if there is any.
     pub motion: bool,
     /// Masks and objects as strengths of the change; else they are coverage.

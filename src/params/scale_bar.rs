@@ -12,6 +12,8 @@ use serde::Serialize;
 pub struct PixelSize {
     /// Width in millimetres.
     pub mm: f32,
+    /// Millimetres of the unit that it is given in, as heights without another are.
+    pub unit_mm: f32,
 }
 
 /// Smallest and largest size in millimetres: a nanometre and a hundred kilometres.
@@ -30,18 +32,21 @@ impl Value for PixelSize {
     const KIND: Kind = Kind::Text;
 
     fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
-        let in_unit = |&(unit, mm): &(&str, f32)| finite(text.strip_suffix(unit)?).map(|n| n * mm);
+        let in_unit = |&(unit, unit_mm): &(&str, f32)| {
+            let mm = finite(text.strip_suffix(unit)?)? * unit_mm;
+            Some(Self { mm, unit_mm })
+        };
         let [least, most] = SIZES_MM;
-        let mm = UNITS.iter().find_map(in_unit);
-        mm.filter(|mm| (least..=most).contains(mm))
-            .map(|mm| Self { mm })
+        let size = UNITS.iter().find_map(in_unit);
+        size.filter(|size| (least..=most).contains(&size.mm))
             .ok_or_else(|| {
                 format!("expected a length as in 0.05mm, 12um, 0.4cm or 2m, {least} to {most} mm")
             })
     }
 
     fn text(&self, _: &Param) -> Option<String> {
-        Some(format!("{}mm", self.mm))
+        let (unit, _) = UNITS.iter().find(|(_, mm)| *mm == self.unit_mm)?;
+        Some(format!("{}{unit}", self.mm / self.unit_mm))
     }
 }
 
@@ -107,7 +112,16 @@ mod tests {
             assert!(parsed(text).unwrap_err().contains("0.05mm"), "{text}");
         }
         // 25.4 mm / 0.05 mm = 508 pixels per inch.
-        assert!((PixelSize { mm: 0.05 }.dpi() - 508.0).abs() < 1e-3);
+        assert!(
+            (PixelSize {
+                mm: 0.05,
+                unit_mm: 1.0,
+            }
+            .dpi()
+                - 508.0)
+                .abs()
+                < 1e-3
+        );
         let mut params = Params::default();
         params.set("scale-bar", "outside").unwrap();
         assert!(

@@ -211,6 +211,7 @@ impl FrameWork for MapArgs {
     fn reading(&self, _: &Illumination) -> Result<(Inputs, Needs)> {
         let needs = Needs {
             projection: true,
+            map: true,
             ..Needs::default()
         };
         Ok((self.work.inputs(), needs))

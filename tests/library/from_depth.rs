@@ -154,6 +154,43 @@ fn guesses_are_told() {
     );
 }
 
+/// A bump is a bump in distances and in disparity, which a name tells; where none does, that is told. Colours are refused.
+#[test]
+fn disparity_is_known_by_its_name() {
+    let desk = tempfile::tempdir().unwrap();
+    let photo = desk.path().join("photo.png");
+    let grey = image::Rgb([90; 3]);
+    image::RgbImage::from_pixel(96, 80, grey)
+        .save(&photo)
+        .unwrap();
+    // The ball's nearest point is in the middle, where 1/z is largest: to the left of it normals point left.
+    let exact = seen(Surface::ball(30.0));
+    let depth = exact.depth.as_ref().unwrap();
+    let save = |name: &str, of: fn(f32) -> f32| {
+        let path = desk.path().join(name);
+        let plane = depth.map(|z| if z > 0.0 { 40.0 * of(z) } else { 0.0 });
+        Part::of([("Y", &plane)]).write(&path);
+        let inputs = inputs(&photo, exact.camera, |inputs| {
+            inputs.depth = Some(path.to_str().unwrap().into());
+        });
+        load(&inputs, Needs::default()).unwrap()
+    };
+    for name in ["ball_disparity.exr", "inverse_depth.exr", "a.exr"] {
+        let found = save(name, if name == "a.exr" { |z| z } else { |z| 1.0 / z });
+        assert!(found.frame.normal.at(30, 40).x < -0.3, "{name}");
+    }
+    let colours = desk.path().join("depth.png");
+    let colour = |x, _| image::Rgb([x as u8, 200 - x as u8, 40]);
+    image::RgbImage::from_fn(96, 80, colour)
+        .save(&colours)
+        .unwrap();
+    let inputs = inputs(&photo, None, |inputs| {
+        inputs.depth = Some(colours.to_str().unwrap().into());
+    });
+    let error = load(&inputs, Needs::default()).err().unwrap().to_string();
+    assert!(error.contains("is in colours"), "{error}");
+}
+
 /// A picture of heights is lit as a surface of one colour, and can be enhanced as the picture that it is.
 #[test]
 fn heights_are_no_colours_of_what_is_lit() {

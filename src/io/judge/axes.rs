@@ -34,7 +34,7 @@ impl SettledAxes {
 }
 
 /// Settles the axes of unit normals of view space. `writer` is the program that wrote them, as far as it is known;
-/// `is_layer` tells those of an EXR, whose x renderers let point right.
+/// `is_layer` tells those of a renderer that is known: they let x point right.
 pub(crate) fn settle(
     normal: &Vector3Planes,
     mask: &Mask,

@@ -136,6 +136,11 @@ impl NormalSpaceEvidence {
         self.slope_reversed_deg.is_some() || self.world.shape_deg.is_some()
     }
 
+    /// Whether depth contradicts the normals as they are, read as view space.
+    pub(crate) fn is_contradicted_by_depth(&self) -> bool {
+        self.view.slope_deg.is_some_and(|deg| deg >= SLOPE_FAILS_DEG)
+    }
+
     /// Share that faces the viewer in the better reading as view space.
     pub(crate) fn facing_view(&self) -> f64 {
         self.view.facing.max(self.flipped.facing)

@@ -121,7 +121,12 @@ impl Rims {
             return Some([x, y]).filter(|axes| curl.allows(*axes));
         }
         let one = curl.y_points_down()?;
-        let alone = [0, 1].map(|axis| self.reversed(axis, FEWEST_ALONE, LEAST_VOTE_ALONE));
+        // Many rims along the other axis that tell nothing are those of letters and steps, which have two sides.
+        let is_alone = |axis: usize| self.count(1 - axis) < FEWEST;
+        let alone = [0, 1].map(|axis| {
+            let reversed = self.reversed(axis, FEWEST_ALONE, LEAST_VOTE_ALONE);
+            reversed.filter(|_| is_alone(axis))
+        });
         match alone {
             [Some(x), None] => Some([x, x != one]),
             [None, Some(y)] => Some([y != one, y]),

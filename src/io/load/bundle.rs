@@ -27,7 +27,7 @@ pub(crate) struct Bundle {
 const NAMES: [(Role, &str); 5] = [
     (Role::Coverage, "mask valid"),
     (Role::Normal, "normal normals"),
-    (Role::Depth, "depth"),
+    (Role::Depth, "depth disparity"),
     (Role::Position, "points point pts pts3d position positions"),
     (
         Role::Color,

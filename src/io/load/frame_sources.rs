@@ -41,7 +41,11 @@ impl FrameSources {
     ) -> Result<Self> {
         let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
         let map = match inputs.normal {
-            None => RoleSource::normal_map(main),
+            None => RoleSource::normal_map(main).or_else(|| {
+                let is_alone = needs.map && inputs.depth.is_none() && inputs.position.is_none();
+                let is_map = is_alone && main.photo().is_some();
+                is_map.then(|| RoleSource::of(Role::Normal, main, None, None))
+            }),
             Some(_) => None,
         };
         let is_map = map.is_some();

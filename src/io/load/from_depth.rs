@@ -52,8 +52,10 @@ impl FrameSource<'_> {
             depth: &mut *depth,
             known,
             is_half: depth_is_half,
+            is_layer: source.is_some_and(|source| source.file.exr().is_some()),
             rounding: source.map_or(0.0, RoleSource::rounding),
             height_scale: self.inputs.height_scale,
+            height_unit_px: self.inputs.height_unit_px,
             camera: view.camera,
             data_window: self.data_window,
             display_window: self.display_window,
@@ -73,8 +75,14 @@ impl FrameSource<'_> {
             Precision::Half if bits.is_empty() => " (as coarse as half floats)".into(),
             _ => bits,
         };
+        let open = match shown.stored {
+            StoredDepth::NormalizedNearIsOne | StoredDepth::WhiteFar | StoredDepth::Relative => {
+                " (shape up to a projective change: signs and creases hold, slopes do not)"
+            }
+            _ => "",
+        };
         notes.warnings.push(format!(
-            "normals from {from}{bits}: no layer holds any; --normal names one"
+            "normals from {from}{bits}{open}: no layer holds any; --normal names one"
         ));
         let mut normal = shown.normal;
         let stored_depth = Some((depth, Some(shown.stored)));
@@ -101,10 +109,14 @@ pub(crate) struct DepthAlone<'a> {
     /// What it holds, and how that is known.
     pub(crate) known: Option<(StoredDepth, String)>,
     pub(crate) is_half: bool,
+    /// Whether it is a layer, as renderers write it.
+    pub(crate) is_layer: bool,
     /// The distance of integers, the largest of which is 1; of no account for half floats, and 0 for floats.
     pub(crate) rounding: f32,
     /// Pixels that a height of 1 is high, where it is known.
     pub(crate) height_scale: Option<f32>,
+    /// Pixels that a unit of heights in floats is high otherwise.
+    pub(crate) height_unit_px: Option<f32>,
     pub(crate) camera: Option<Camera>,
     pub(crate) data_window: Window,
     pub(crate) display_window: Window,
@@ -132,7 +144,8 @@ impl DepthAlone<'_> {
     ) -> Result<ShownByDepth> {
         let known = self.known.take();
         let mut precision = Precision::stored(self.is_half, self.rounding, self.depth);
-        let (stored, mut why) = known.unwrap_or_else(|| judged(self.depth, warnings));
+        let (stored, mut why) =
+            known.unwrap_or_else(|| judged(self.depth, self.is_layer, warnings));
         if stored == StoredDepth::Height {
             let scale = self.height_scale(warnings)?;
             let depth = &mut *self.depth;
@@ -187,6 +200,9 @@ impl DepthAlone<'_> {
         }
         let window = self.display_window;
         let are_integers = self.rounding > 0.0 && !self.is_half;
+        if let Some(scale) = self.height_unit_px.filter(|_| !are_integers) {
+            return Ok(scale);
+        }
         let scale = match are_integers {
             true => HIGH * window.width().max(window.height()) as f32,
             false => 1.0,
@@ -198,12 +214,19 @@ impl DepthAlone<'_> {
     }
 }
 
-/// The quantity that depth of unknown kind holds, and why: distances where they exceed 1. From 0 to 1 white is taken for
-/// near, as estimators of depth write it, which is a guess and said to be.
-fn judged(depth: &Plane, warnings: &mut Vec<String>) -> (StoredDepth, String) {
+/// The quantity that depth of unknown kind holds, and why: distances where they exceed 1, as nearly all layers do. From 0
+/// to 1 white is taken for near, as estimators of depth write it. What is a guess is said to be.
+fn judged(depth: &Plane, is_layer: bool, warnings: &mut Vec<String>) -> (StoredDepth, String) {
     let mut distances = depth.samples().iter().filter(|d| is_distance(d.abs()));
     let is_unit = distances.all(|d| (0.0..=1.0 + ABOVE_ONE).contains(d));
     if !is_unit {
+        if !is_layer {
+            warnings.push(
+                "depth exceeds 1, and nothing says whether it is distance: bumps would be hollows if it is disparity, 1/z; \
+                 compare with --depth-kind inverse"
+                    .into(),
+            );
+        }
         return (StoredDepth::Planar, "its values exceed 1".into());
     }
     warnings.push(

@@ -275,7 +275,10 @@ impl RoleSource {
             let hint = Hint { space, depth: None };
             return (hint, "view, as in any picture of integers".into());
         }
-        (Hint::default(), String::new())
+        match self.role {
+            Role::Depth => names::hint_of_depth_file(self.file.path()),
+            _ => (Hint::default(), String::new()),
+        }
     }
 
     /// Rows of a photo's planes, of normals with x in the first one.
@@ -500,6 +503,13 @@ fn photo_planes(
         return mended_vectors(photo, window, source);
     }
     let planes = source.planes_of(photo, window.y0 as usize..window.y1 as usize, meaning)?;
+    if role == Role::Depth && is_colourful(&planes[..planes.len().min(3)]) {
+        return Err(Error::Unsupported {
+            path: source.file.path().to_path_buf(),
+            found: "is in colours, and depth or height is one number".into(),
+            remedy: "give the numbers themselves, as a grey picture, EXR, TIFF or NPY".into(),
+        });
+    }
     let mut read = RolePlanes::of_photo(photo, planes, window);
     if role.is_color() {
         read.premultiply();
@@ -509,6 +519,19 @@ fn photo_planes(
     }
     Ok(read)
 }
+
+/// Whether the channels of a picture differ, and not by the errors of its coding.
+fn is_colourful(channels: &[Plane]) -> bool {
+    let [r, g, b] = channels else {
+        return false;
+    };
+    let pixels = r.samples().iter().zip(g.samples()).zip(b.samples());
+    let spread = pixels.map(|((r, g), b)| f64::from((r - g).abs() + (g - b).abs()));
+    spread.sum::<f64>() > COLOURFUL * r.samples().len() as f64
+}
+
+/// The mean difference of green from red and blue in colours: in grey pictures JPEG leaves a few codes of 255.
+const COLOURFUL: f64 = 0.05;
 
 /// The vectors of a photo without the steps of coarse codes, and without noise.
 fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> Result<RolePlanes> {

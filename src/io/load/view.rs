@@ -117,7 +117,7 @@ pub(crate) fn turn_to_view(
             normal,
             surface.mask,
             MapWriter::of(source.file.path()).as_ref(),
-            source.is_exr(),
+            source.is_exr() && source.hint() != Default::default(),
         );
         normals.flip.x |= settled.flip.x;
         normals.flip.y |= settled.flip.y;
@@ -333,12 +333,14 @@ impl Reading {
         }
     }
 
-    /// Whether neither flags nor depth nor positions show which way x and y point.
+    /// Whether neither flags nor depth nor positions show which way x and y point, or noisy depth shows that not as they are.
     fn leaves_axes_open(&self, normals: NormalReading, inputs: &Inputs) -> bool {
         let evidence = &self.verdict.evidence;
+        let is_turned = normals.flip.x | normals.flip.y;
+        let is_contradicted = evidence.is_contradicted_by_depth() && !is_turned;
         normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
-            && !evidence.is_judged_by_depth()
+            && (!evidence.is_judged_by_depth() || is_contradicted)
             && !self.is_given
     }
 

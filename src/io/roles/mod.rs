@@ -301,11 +301,10 @@ pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
 
 /// Colour or depth of a first part with any name ("main", "subimage00") whose channels have no layer names of their
 /// own: read like nameless channels, unless the part's name means something else. The first part of a group counts too,
-/// and Z beside the R, G and B of any part called a picture.
+/// and Z beside the R, G and B of any part or layer called a picture.
 fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
     let first = layers.first()?.part;
-    let mut bare = layers.iter().filter(|layer| layer.bare);
-    bare.find_map(|layer| {
+    layers.iter().find_map(|layer| {
         let has_picture = layer.has(&["r", "g", "b"]);
         let plays = match role {
             Role::Color => has_picture,
@@ -314,7 +313,7 @@ fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
         };
         let may = match layer.means_something() {
             true => role == Role::Depth && has_picture && layer.means(Role::Color),
-            false => [first, 0].contains(&layer.part),
+            false => layer.bare && [first, 0].contains(&layer.part),
         };
         layer.matched(role).filter(|_| plays && may)
     })
@@ -397,6 +396,8 @@ mod tests {
             assert_eq!(depth(vec![picture.clone(), normals.clone()]), Some(0));
             assert_eq!(depth(vec![normals, picture]), Some(1));
         }
+        let layer = single_part(&["beauty.A", "beauty.B", "beauty.G", "beauty.R", "beauty.Z"]);
+        assert_eq!(find(&layer, Role::Depth).unwrap().channels, [4]);
         // A name that means something else is believed, and a later part's is no picture.
         assert_eq!(find(&parts("albedo"), Role::Color), None);
         let vector = layers([(Some("offset"), vec!["X", "Y", "Z"])].into_iter());

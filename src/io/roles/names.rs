@@ -12,6 +12,7 @@ use crate::io::exr::ExrFile;
 use crate::io::inputs::StoredDepth::{self, Inverse, NormalizedNearIsOne, Planar, Ray};
 use crate::io::text::is_one_of;
 use serde::Serialize;
+use std::path::Path;
 
 /// Number of values per pixel of a role.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +61,8 @@ roles! {
         "surfacenormals" "geometricnormal" "geometricnormals" "normalsgeometry" "ng" "ndenoise"
         "denoisingnormal" "denoisenormal" "normaldenoise" "normaldenoising";
     Depth: Scalar = "depth" "z" "" "pz" "rayhitpz" "hitpz" "worlddepth" "scenedepth" "cameradepth"
-        "depthz" "distance" "rayhitdist" "hitdist" "zdepth" "vrayzdepth" "denoisingdepth";
+        "depthz" "distance" "rayhitdist" "hitdist" "zdepth" "vrayzdepth" "denoisingdepth" "disparity"
+        "inversedepth" "invdepth" "depthinverse";
     Position: Vector = "position" "p" "pworld" "worldposition" "worldpositions" "positionworld"
         "worldpos" "pos" "pointworld" "worldpoint" "rayhitp" "hitp";
     HitPosition: Vector = "hitposition" "hitpoint" "hitp";
@@ -227,7 +229,26 @@ const IMPLIED: &[(Hint, &str)] = &[
     (Hint::depth(Planar), "pz rayhitpz hitpz worlddepth"),
     (Hint::depth(Ray), "distance rayhitdist hitdist"),
     (Hint::depth(NormalizedNearIsOne), "zdepth vrayzdepth"),
+    (Hint::depth(Inverse), DISPARITY),
 ];
+
+/// Names of one over the distance, up to a factor, as stereo and estimators give it.
+const DISPARITY: &str = "disparity disp inversedepth invdepth depthinverse";
+
+/// What the name of a file that holds depth alone implies, by its words.
+pub(crate) fn hint_of_depth_file(path: &Path) -> (Hint, String) {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let words: Vec<_> = stem
+        .split(|c: char| !c.is_alphanumeric())
+        .map(key)
+        .collect();
+    let pairs = words.windows(2).map(|pair| pair.concat());
+    let mut names = words.iter().cloned().chain(pairs);
+    match names.find(|name| is_one_of(name, DISPARITY)) {
+        Some(name) => (Hint::depth(Inverse), format!("by its name, {name}")),
+        None => (Hint::default(), String::new()),
+    }
+}
 
 /// A program that writes layers, and the defaults for its layers unless a name is more specific.
 struct Renderer {

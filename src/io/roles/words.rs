@@ -38,7 +38,10 @@ const WORDS: &[(Meaning, &str)] = &[
         "position positions pos worldpoint worldpoints",
     ),
     (MayPlay(Role::Position), "p point points"),
-    (Plays(Role::Depth), "depth zdepth zbuffer zbuf depthz"),
+    (
+        Plays(Role::Depth),
+        "depth zdepth zbuffer zbuf depthz disparity inversedepth invdepth",
+    ),
     (MayPlay(Role::Depth), "z pz"),
     (MayPlay(Role::Motion), "backward motion"),
     (
