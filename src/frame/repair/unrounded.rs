@@ -39,7 +39,7 @@ pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps:
     let around = with_margins(whole, margin, wraps);
     for plane in [&mut stored.x, &mut stored.y, &mut stored.z] {
         let mut field = plane.repeated(whole, around);
-        unround_values(&mut field, half_step);
+        unround_values(&mut field, half_step, 0);
         *plane = field.crop(around, whole);
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
@@ -63,8 +63,8 @@ pub(super) fn unwritten(stored: &Vector3Planes) -> Vec<usize> {
     unwritten.map(|(i, _)| i).collect()
 }
 
-/// [`unround`] of one plane of values, all of them written.
-pub(crate) fn unround_values(field: &mut Plane, half_step: f32) {
+/// [`unround`] of one plane of values, all of them written. Those in the `margin` are no codes, and move freely.
+pub(crate) fn unround_values(field: &mut Plane, half_step: f32, margin: usize) {
     if field.samples().is_empty() {
         return;
     }
@@ -89,20 +89,29 @@ pub(crate) fn unround_values(field: &mut Plane, half_step: f32) {
                 wide = halved(&wide);
             }
             let wide = doubled(without_bias(&wide), level, field);
-            toward(field, codes, [&wide, &share], half_step);
+            toward(field, codes, [&wide, &share], (half_step, margin));
         }
     }
 }
 
 /// Moves a field by a share of the way toward the wide neighbourhoods' values, both given at every second sample of
-/// every second row, and limits it to half a step from the codes.
-fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32) {
+/// every second row, and limits it to half a step from the codes inside a margin.
+fn toward(
+    field: &mut Plane,
+    codes: &Plane,
+    halves: [&Plane; 2],
+    (half_step, margin): (f32, usize),
+) {
+    let [width, height] = [field.width(), field.height()];
+    let inside = |at: usize, length: usize| (margin..length - margin).contains(&at);
     field.each_row(|y, row| {
         let [mut wide, mut share] = [vec![0.0; row.len()], vec![0.0; row.len()]];
         double_row(halves[0], y, &mut wide);
         double_row(halves[1], y, &mut share);
         let wide = wide.iter().zip(&share).zip(codes.row(y));
-        for (sample, ((wide, share), code)) in row.iter_mut().zip(wide) {
+        for (x, (sample, ((wide, share), code))) in row.iter_mut().zip(wide).enumerate() {
+            let is_code = inside(x, width) & inside(y, height);
+            let half_step = if is_code { half_step } else { f32::INFINITY };
             // Not `clamp`, which has to check the order of its bounds.
             let within = wide.min(code + half_step).max(code - half_step);
             *sample += share * (within - *sample);

@@ -138,7 +138,9 @@ impl NormalSpaceEvidence {
 
     /// Whether depth contradicts the normals as they are, read as view space.
     pub(crate) fn is_contradicted_by_depth(&self) -> bool {
-        self.view.slope_deg.is_some_and(|deg| deg >= SLOPE_FAILS_DEG)
+        self.view
+            .slope_deg
+            .is_some_and(|deg| deg >= SLOPE_FAILS_DEG)
     }
 
     /// Share that faces the viewer in the better reading as view space.
