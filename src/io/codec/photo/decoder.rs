@@ -1,7 +1,7 @@
 //! Opening a picture: reads its header, and refuses unsupported files.
 
 use super::faults::{MAX_BYTES, image_error, unsupported};
-use super::numbers::{Numbers, refuse_compression};
+use super::numbers::{Numbers, is_tiff_of_numbers};
 use crate::error::{Error, Result};
 use crate::io::fence::fenced;
 use crate::io::open::open_buffered;
@@ -28,8 +28,8 @@ pub(super) fn with_decoder<T>(
             return read(Box::new(numbers), ImageFormat::Tiff);
         }
         let (reader, format) = open(path)?;
-        if format == ImageFormat::Tiff {
-            refuse_compression(path)?;
+        if format == ImageFormat::Tiff && is_tiff_of_numbers(path)? {
+            return read(Box::new(Numbers::tiff(path)?), format);
         }
         match reader.into_decoder() {
             Ok(decoder) => {
@@ -132,5 +132,5 @@ fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<()> {
 }
 
 pub(in crate::io) fn max_code(bits: u8) -> u32 {
-    (1 << bits) - 1
+    u32::MAX >> (32 - bits)
 }

@@ -1,5 +1,6 @@
 //! Pictures of numbers, that decoders of pictures refuse: TIFF of further sample types, NumPy arrays and PFM. Their samples
-//! are the numbers as stored; grey is repeated, since there is no grey of floats.
+//! are the numbers as stored; of several channels of unsigned integers of 8 and 16 bits they are codes. Grey is repeated,
+//! since there is no grey of floats.
 
 use super::faults::{MAX_BYTES, damaged, unsupported};
 use super::npy::{NpyHeader, Number};
@@ -19,11 +20,14 @@ pub(super) const PAIR: ExtendedColorType = ExtendedColorType::Unknown(64);
 
 /// Where the samples are.
 enum Source {
-    Tiff(Box<Decoder<BufReader<File>>>),
+    /// Its codes may be those of luminance and of differences of colours.
+    Tiff {
+        decoder: Box<Decoder<BufReader<File>>>,
+        is_ycbcr: bool,
+    },
     /// Numbers one after another, by rows from the bottom or from the top.
     Raw {
         file: Box<dyn Read>,
-        number: Number,
         is_upward: bool,
     },
 }
@@ -37,6 +41,7 @@ pub(super) struct Numbers {
     is_pair: bool,
     /// How far apart neighbours along x, y and the channels are stored.
     strides: [usize; 3],
+    number: Number,
     source: Source,
 }
 
@@ -61,17 +66,35 @@ impl Numbers {
     /// The header of a TIFF.
     pub(super) fn tiff(path: &Path) -> Result<Self> {
         let file = open_buffered(path)?;
-        let failed = |error: tiff::TiffError| damaged(path, &error);
+        let failed = tiff_error(path);
         let mut limits = Limits::default();
         limits.decoding_buffer_size = MAX_BYTES as usize;
-        let mut decoder = Decoder::new(file).map_err(failed)?.with_limits(limits);
-        let (width, height) = decoder.dimensions().map_err(failed)?;
-        let channels = decoder.colortype().map_err(failed)?.num_samples().into();
-        let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
-        let is_planar = planar.map_err(failed)? == Some(2);
+        let decoder = Decoder::new(file).map_err(&failed)?;
+        let mut decoder = decoder.with_limits(limits);
+        let (width, height) = decoder.dimensions().map_err(&failed)?;
         let (width, height) = (width as usize, height as usize);
-        let extra = decoder.find_tag_unsigned::<u16>(Tag::ExtraSamples);
-        let is_alpha = matches!(extra.map_err(failed)?, Some(1 | 2));
+        let color = decoder.colortype().map_err(&failed)?;
+        let is_ycbcr = color == tiff::ColorType::YCbCr(8);
+        if matches!(
+            color,
+            tiff::ColorType::CMYK(_) | tiff::ColorType::CMYKA(_) | tiff::ColorType::YCbCr(_)
+        ) && !is_ycbcr
+        {
+            return Err(unsupported(path, "holds CMYK or YCbCr of a rare kind"));
+        }
+        let channels = color.num_samples().into();
+        let mut first = |tag| first_of(&mut decoder, tag).map_err(&failed);
+        let is_planar = first(Tag::PlanarConfiguration)? == Some(2);
+        let is_alpha = matches!(first(Tag::ExtraSamples)?, Some(1 | 2));
+        let number = Number {
+            kind: match first(Tag::SampleFormat)? {
+                Some(2) => 'i',
+                Some(3) => 'f',
+                _ => 'u',
+            },
+            bytes: usize::from(color.bit_depth()).div_ceil(8),
+            is_little: cfg!(target_endian = "little"),
+        };
         let found = Self {
             size: [width, height],
             channels,
@@ -80,7 +103,11 @@ impl Numbers {
                 true => [1, width, width.saturating_mul(height)],
                 false => [channels, channels * width, 1],
             },
-            source: Source::Tiff(Box::new(decoder)),
+            number,
+            source: Source::Tiff {
+                decoder: Box::new(decoder),
+                is_ycbcr,
+            },
         };
         found.checked(path)
     }
@@ -94,9 +121,9 @@ impl Numbers {
             channels: channels.0,
             is_pair: channels.0 == 2,
             strides: [columns.1, rows.1, channels.1],
+            number: header.number,
             source: Source::Raw {
                 file,
-                number: header.number,
                 is_upward: false,
             },
         })
@@ -130,13 +157,13 @@ impl Numbers {
             channels,
             is_pair: false,
             strides: [channels, channels * width, 1],
+            number: Number {
+                kind: 'f',
+                bytes: 4,
+                is_little: scale < 0.0,
+            },
             source: Source::Raw {
                 file: Box::new(file),
-                number: Number {
-                    kind: 'f',
-                    bytes: 4,
-                    is_little: scale < 0.0,
-                },
                 is_upward: true,
             },
         })
@@ -159,24 +186,30 @@ impl Numbers {
     fn samples(&mut self) -> std::result::Result<Vec<f32>, String> {
         let count = self.size[0] * self.size[1] * self.channels;
         let said = |error: &dyn std::fmt::Display| one_line(&error.to_string());
+        let number = self.number;
+        let numbers = |row: &[u8]| -> Vec<f32> {
+            let numbers = row.chunks_exact(number.bytes);
+            numbers.map(|bytes| number.read(bytes)).collect()
+        };
         let samples = match &mut self.source {
-            Source::Tiff(decoder) => {
+            Source::Tiff { decoder, is_ycbcr } => {
                 let mut read = DecodingResult::U8(Vec::new());
-                decoder
-                    .read_image_to_buffer(&mut read)
-                    .map_err(|e| said(&e))?;
-                floats(read)
+                let whole = decoder.read_image_to_buffer(&mut read);
+                whole.map_err(|e| said(&e))?;
+                let mut samples = numbers(read.as_buffer(0).as_bytes());
+                let [across, _, between] = self.strides;
+                let pixels = if *is_ycbcr { count / 3 } else { 0 };
+                for first in (0..pixels).map(|i| i * across) {
+                    let places = [0, 1, 2].map(|channel| first + channel * between);
+                    let color = rgb_of(places.map(|at| samples[at]));
+                    for (at, code) in places.into_iter().zip(color) {
+                        samples[at] = code;
+                    }
+                }
+                samples
             }
-            Source::Raw {
-                file,
-                number,
-                is_upward,
-            } => {
+            Source::Raw { file, is_upward } => {
                 let stored = bytes_of(file, count * number.bytes).map_err(|e| said(&e))?;
-                let numbers = |row: &[u8]| -> Vec<f32> {
-                    let numbers = row.chunks_exact(number.bytes);
-                    numbers.map(|bytes| number.read(bytes)).collect()
-                };
                 match is_upward {
                     true => {
                         let rows = stored.chunks_exact(number.bytes * self.strides[1]);
@@ -200,10 +233,15 @@ impl ImageDecoder for Numbers {
     }
 
     fn color_type(&self) -> ColorType {
-        match self.channels {
-            1 | 3 => ColorType::Rgb32F,
-            2 if self.is_pair => ColorType::Rgb32F,
-            _ => ColorType::Rgba32F,
+        let has_alpha = self.channels == 4 || (self.channels == 2 && !self.is_pair);
+        // Several channels of unsigned integers are codes of a colour or a vector; one may hold heights.
+        match (self.number.kind, self.number.bytes, has_alpha) {
+            ('u', 1, false) if self.channels > 1 => ColorType::Rgb8,
+            ('u', 2, false) if self.channels > 1 => ColorType::Rgb16,
+            ('u', 1, true) => ColorType::Rgba8,
+            ('u', 2, true) => ColorType::Rgba16,
+            (_, _, false) => ColorType::Rgb32F,
+            (_, _, true) => ColorType::Rgba32F,
         }
     }
 
@@ -215,6 +253,8 @@ impl ImageDecoder for Numbers {
     }
 
     fn read_image(mut self, buffer: &mut [u8]) -> ImageResult<()> {
+        let color = self.color_type();
+        let sample = usize::from(color.bytes_per_pixel() / color.channel_count());
         let samples = self.samples().map_err(|found| {
             ImageError::IoError(std::io::Error::new(std::io::ErrorKind::InvalidData, found))
         })?;
@@ -233,9 +273,13 @@ impl ImageDecoder for Numbers {
                 move |channel: &Option<usize>| channel.map(|channel| at + channel * between);
             order.iter().map(place)
         });
-        for (bytes, at) in buffer.chunks_exact_mut(4).zip(numbers) {
+        for (bytes, at) in buffer.chunks_exact_mut(sample).zip(numbers) {
             let sample = at.map_or(0.0, |at| samples[at]);
-            bytes.copy_from_slice(&sample.to_ne_bytes());
+            match bytes {
+                [code] => *code = sample as u8,
+                [_, _] => bytes.copy_from_slice(&(sample as u16).to_ne_bytes()),
+                _ => bytes.copy_from_slice(&sample.to_ne_bytes()),
+            }
         }
         Ok(())
     }
@@ -245,26 +289,68 @@ impl ImageDecoder for Numbers {
     }
 }
 
-/// Refuses a TIFF of a compression that is not read, by its name. Decoders come to it with the samples alone.
-pub(super) fn refuse_compression(path: &Path) -> Result<()> {
+/// What makes a TIFF one that is read.
+const DEFLATE: &str = "save it with Deflate, as with gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif, or tiffcp -c zip";
+const RGB: &str = "make it RGB, as with magick IN.tif -colorspace sRGB -type TrueColor OUT.png";
+const TOGETHER: &str =
+    "put its channels together, as with gdal_translate -co INTERLEAVE=PIXEL IN.tif OUT.tif";
+
+/// Refuses a TIFF of a kind that is not read, by its name. Decoders come to its compression with the samples alone. Whether
+/// these fail on it otherwise: on channels in planes, and on long integers, which they take for floats.
+pub(super) fn is_tiff_of_numbers(path: &Path) -> Result<bool> {
     let file = open_buffered(path)?;
-    let failed = |error: tiff::TiffError| damaged(path, &error);
-    let mut decoder = Decoder::new(file).map_err(failed)?;
-    let stored = decoder.find_tag_unsigned::<u16>(Tag::Compression);
-    let name = match stored.map_err(failed)? {
-        Some(50_000) if cfg!(not(feature = "zstd")) => "ZSTD",
-        Some(34_887) => "LERC",
-        Some(34_925) => "LZMA",
-        Some(34_712 | 33_003 | 33_005) => "JPEG 2000",
-        Some(50_002 | 52_546) => "JPEG XL",
-        _ => return Ok(()),
+    let failed = tiff_error(path);
+    let mut decoder = Decoder::new(file).map_err(&failed)?;
+    let mut first = |tag| first_of(&mut decoder, tag).map_err(&failed);
+    let compression = first(Tag::Compression)?;
+    // The decoder of JPEG makes as many samples of each.
+    let is_subsampled = compression != Some(7) && first(Tag::ChromaSubsampling)? != Some(1);
+    let are_several = first(Tag::SamplesPerPixel)? > Some(1);
+    let is_planar = are_several && first(Tag::PlanarConfiguration)? == Some(2);
+    let (rows, of_tile) = (first(Tag::ImageLength)?, first(Tag::TileLength)?);
+    let is_cut = rows.unwrap_or(0) % of_tile.unwrap_or(1).max(1) > 0;
+    let (found, remedy) = match (compression, first(Tag::PhotometricInterpretation)?) {
+        (Some(50_000), _) if cfg!(not(feature = "zstd")) => ("is compressed by ZSTD", DEFLATE),
+        (Some(34_887), _) => ("is compressed by LERC", DEFLATE),
+        (Some(34_925), _) => ("is compressed by LZMA", DEFLATE),
+        (Some(34_712 | 33_003 | 33_005), _) => ("is compressed by JPEG 2000", DEFLATE),
+        (Some(50_002 | 52_546), _) => ("is compressed by JPEG XL", DEFLATE),
+        (_, Some(3)) => ("has a palette", RGB),
+        (_, Some(6)) if is_subsampled => ("is in subsampled YCbCr", RGB),
+        (_, Some(8..=10)) => ("is in CIE L*a*b*", RGB),
+        _ if is_planar && is_cut => ("has its channels apart in tiles", TOGETHER),
+        _ => {
+            let is_float = first(Tag::SampleFormat)? == Some(3);
+            return Ok(is_planar || (!is_float && first(Tag::BitsPerSample)? == Some(32)));
+        }
     };
     Err(Error::Unsupported {
         path: path.to_path_buf(),
-        found: format!("is compressed by {name}, which is not read"),
-        remedy: "save it with Deflate, as with gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif, or tiffcp -c zip"
-            .into(),
+        found: format!("{found}, which is not read"),
+        remedy: remedy.into(),
     })
+}
+
+/// The first of a tag's numbers: one for each channel, or one for all.
+fn first_of(decoder: &mut Decoder<BufReader<File>>, tag: Tag) -> tiff::TiffResult<Option<u32>> {
+    let values = decoder.find_tag_unsigned_vec(tag)?;
+    Ok(values.and_then(|values| values.first().copied()))
+}
+
+fn tiff_error(path: &Path) -> impl Fn(tiff::TiffError) -> Error {
+    move |error| match error {
+        tiff::TiffError::UnsupportedError(found) => {
+            unsupported(path, &format!("cannot be read ({found})"))
+        }
+        error => damaged(path, &error),
+    }
+}
+
+/// The colour of these codes of 8 bits, as in JPEG (BT.601, over all 256 codes).
+fn rgb_of([y, blue, red]: [f32; 3]) -> [f32; 3] {
+    let [blue, red] = [blue - 128.0, red - 128.0];
+    let green = y - 0.344_136 * blue - 0.714_136 * red;
+    [y + 1.402 * red, green, y + 1.772 * blue].map(f32::round)
 }
 
 /// So many bytes, or those that there are: room is made as they come, not as a header claims.
@@ -274,30 +360,13 @@ fn bytes_of(file: &mut dyn Read, count: usize) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn floats(read: DecodingResult) -> Vec<f32> {
-    fn all<T>(numbers: Vec<T>, float: impl Fn(T) -> f32) -> Vec<f32> {
-        numbers.into_iter().map(float).collect()
-    }
-    match read {
-        DecodingResult::U8(numbers) => all(numbers, f32::from),
-        DecodingResult::U16(numbers) => all(numbers, f32::from),
-        DecodingResult::U32(numbers) => all(numbers, |number| number as f32),
-        DecodingResult::U64(numbers) => all(numbers, |number| number as f32),
-        DecodingResult::F16(numbers) => all(numbers, f32::from),
-        DecodingResult::F32(numbers) => numbers,
-        DecodingResult::F64(numbers) => all(numbers, |number| number as f32),
-        DecodingResult::I8(numbers) => all(numbers, f32::from),
-        DecodingResult::I16(numbers) => all(numbers, f32::from),
-        DecodingResult::I32(numbers) => all(numbers, |number| number as f32),
-        DecodingResult::I64(numbers) => all(numbers, |number| number as f32),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Plane;
     use crate::io::photo::Photo;
     use half::f16;
+    use std::collections::BTreeMap;
     use std::io::Cursor;
     use tiff::encoder::{TiffEncoder, colortype};
 
@@ -393,6 +462,118 @@ mod tests {
             .write_image::<colortype::GrayI16>(3, 2, &[-9, 1, 2, 3, 4, 5])
             .unwrap();
         assert_eq!(read(&file.into_inner()).unwrap().channels[1].at(0, 0), -9.0);
+    }
+
+    /// A TIFF of 3 x 2 pixels with these samples, of three channels of 8 bits but for these tags; those without a number are
+    /// left out.
+    fn tiff(tags: &[(u16, &[u16])], samples: &[u8]) -> Vec<u8> {
+        let mut all: BTreeMap<u16, &[u16]> = BTreeMap::from([
+            (256, &[3][..]),
+            (257, &[2]),
+            (258, &[8, 8, 8]),
+            (259, &[1]),
+            (262, &[2]),
+            (273, &[8]),
+            (277, &[3]),
+            (279, &[18]),
+        ]);
+        all.extend(tags.iter().copied());
+        all.retain(|_, numbers| !numbers.is_empty());
+        let mut file = b"II*\0\0\0\0\0".to_vec();
+        file.extend(samples);
+        let mut directory = (all.len() as u16).to_le_bytes().to_vec();
+        for (tag, numbers) in all {
+            let mut value: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+            if value.len() > 4 {
+                let at = file.len() as u32;
+                file.append(&mut value);
+                value.extend(at.to_le_bytes());
+            }
+            value.resize(4, 0);
+            // Numbers of 16 bits.
+            directory.extend(
+                [tag, 3, numbers.len() as u16, 0]
+                    .map(u16::to_le_bytes)
+                    .as_flattened(),
+            );
+            directory.extend(value);
+        }
+        let at = file.len() as u32;
+        file[4..8].copy_from_slice(&at.to_le_bytes());
+        file.extend([directory, vec![0; 4]].concat());
+        file
+    }
+
+    /// Sample i is code 10 i: the last pixel of three channels holds 150, 160 and 170, and 50, 110 and 170 in planes.
+    #[test]
+    fn several_channels_of_unsigned_integers_are_codes() {
+        let codes: Vec<u8> = (0..18).map(|i| 10 * i).collect();
+        let last = |bytes: &[u8]| {
+            let photo = read(bytes).unwrap();
+            assert_eq!((photo.bits, photo.is_float), (8, false));
+            let at = |plane: &Plane| (255.0 * plane.at(2, 1)).round() as u8;
+            let color: Vec<u8> = photo.channels.iter().map(at).collect();
+            (color, photo.alpha.as_ref().map(at))
+        };
+        let opaque = |color: [u8; 3]| (color.to_vec(), None);
+        let code = |i: usize| vec![10 * i as u8];
+        let array = npy("|u1", false, "(2, 3, 3)", code, 18);
+        assert_eq!(last(&array), opaque([150, 160, 170]));
+        let planes: [(u16, &[u16]); 3] = [(273, &[8, 14, 20]), (279, &[6; 3]), (284, &[2])];
+        assert_eq!(last(&tiff(&planes, &codes)), opaque([50, 110, 170]));
+        // Grey and two that are none of colour.
+        let others: [(u16, &[u16]); 2] = [(262, &[1]), (338, &[0, 0])];
+        assert_eq!(last(&tiff(&others, &codes)), opaque([150, 160, 170]));
+        // Grey and coverage.
+        let covered: [(u16, &[u16]); 5] = [
+            (262, &[1]),
+            (258, &[8; 2]),
+            (277, &[2]),
+            (279, &[12]),
+            (338, &[2]),
+        ];
+        assert_eq!(
+            last(&tiff(&covered, &codes[..12])),
+            (vec![100; 3], Some(110))
+        );
+        // Y 150, Cb 160, Cr 170: 150 + 1.402 * 42, 150 - .344 * 32 - .714 * 42, 150 + 1.772 * 32.
+        let ycbcr: [(u16, &[u16]); 2] = [(262, &[6]), (530, &[1, 1])];
+        assert_eq!(last(&tiff(&ycbcr, &codes)), opaque([209, 109, 207]));
+    }
+
+    #[test]
+    fn long_integers_of_a_tiff_are_numbers_and_other_kinds_name_a_converter() {
+        let long: Vec<u8> = (0..6_u32).flat_map(|i| (1000 * i).to_le_bytes()).collect();
+        let grey: [(u16, &[u16]); 4] = [(262, &[1]), (258, &[32]), (277, &[1]), (279, &[24])];
+        let photo = read(&tiff(&grey, &long)).unwrap();
+        assert_eq!((photo.is_float, photo.channels[0].at(2, 1)), (true, 5000.0));
+        let refused: [(&[(u16, &[u16])], &str); 4] = [
+            (
+                &[(262, &[3]), (258, &[8]), (277, &[1]), (279, &[6])],
+                "a palette",
+            ),
+            (&[(262, &[9])], "CIE L*a*b*"),
+            (&[(262, &[6]), (530, &[2, 2])], "subsampled YCbCr"),
+            (
+                &[
+                    (273, &[]),
+                    (279, &[]),
+                    (284, &[2]),
+                    (322, &[16]),
+                    (323, &[16]),
+                    (324, &[8; 3]),
+                    (325, &[256; 3]),
+                ],
+                "apart in tiles",
+            ),
+        ];
+        for (tags, kind) in refused {
+            let said = read(&tiff(tags, &[0; 18])).unwrap_err().to_string();
+            assert!(
+                said.contains(kind) && said.contains("IN.tif"),
+                "{kind}: {said}"
+            );
+        }
     }
 
     #[test]
