@@ -6,11 +6,11 @@
 
 use crate::error::{Error, Result};
 use crate::frame::Plane;
-use crate::io::exr::{ChannelId, ExrFile};
+use crate::io::exr::{ChannelId, ExrFile, SampleType};
 use crate::io::open::read_text;
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Prefix of the attributes of Cryptomatte.
@@ -42,7 +42,8 @@ pub(crate) struct Cryptomatte {
 /// What a file declares of a layer, by the last parts of the attributes' names.
 type Declared<'f> = BTreeMap<String, Cow<'f, str>>;
 
-/// All layers of Cryptomatte that a file declares and has channels of.
+/// All layers of Cryptomatte that a file has channels of: those that it declares, and those that look so where what it
+/// declared was lost, as the names of objects are then.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for more layers, ranks or names than any scene has.
@@ -54,10 +55,16 @@ pub(crate) fn layers(file: &ExrFile) -> Result<Vec<Cryptomatte>> {
             own.entry(what.to_owned()).or_insert(text);
         }
     }
-    let named: Vec<_> = declared
-        .values()
-        .filter_map(|declared| Some((declared.get("name")?, declared)))
+    let declared = declared.values();
+    let mut named: Vec<(&str, &Declared)> = declared
+        .filter_map(|declared| Some((declared.get("name")?.as_ref(), declared)))
         .collect();
+    let mut lost: BTreeSet<&str> = looking_so(file).collect();
+    for (layer, _) in &named {
+        lost.remove(layer);
+    }
+    let nothing = Declared::new();
+    named.extend(lost.into_iter().map(|layer| (layer, &nothing)));
     let excess = |found: String| Error::Unsupported {
         path: file.path.clone(),
         found,
@@ -86,7 +93,7 @@ pub(crate) fn layers(file: &ExrFile) -> Result<Vec<Cryptomatte>> {
             return Err(excess(found));
         }
         layers.push(Cryptomatte {
-            layer: layer.to_string(),
+            layer: layer.into(),
             manifest: manifest(&text).unwrap_or_default(),
             ranks,
         });
@@ -192,6 +199,18 @@ fn ranks(file: &ExrFile, layer: &str) -> Vec<[ChannelId; 2]> {
         (share.part == number.part).then_some([number, share])
     });
     pairs.collect()
+}
+
+/// What all layers of channels have before their numbers whose names and types are those of Cryptomatte.
+fn looking_so(file: &ExrFile) -> impl Iterator<Item = &str> {
+    let channels = file.parts.iter().flat_map(|part| &part.channels);
+    let floats = channels.filter(|channel| channel.sample_type == SampleType::Float);
+    floats.filter_map(|channel| {
+        let (level, _) = channel.name.rsplit_once('.')?;
+        let layer = level.trim_end_matches(|c: char| c.is_ascii_digit());
+        let is_one = layer.to_ascii_lowercase().contains("crypto");
+        (is_one && place(&channel.name, layer).is_some()).then_some(layer)
+    })
 }
 
 /// The number of the layer of channels and the component, 0 to 3, of a channel that is one of `layer`.
