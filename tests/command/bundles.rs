@@ -188,7 +188,13 @@ fn an_archive_is_read_by_the_names_of_its_arrays() {
         let off = own.samples().iter().zip(written.samples());
         assert!(off.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-6);
     }
-    relievo(here, "enhance in.npz -o e.png --backend cpu -q").done();
+    // The image holds codes of 8 bits, which are shown as they are where nothing is enhanced.
+    relievo(here, "enhance in.npz -o e.png --scaling 0 --backend cpu -q").done();
+    assert_eq!(
+        read("e.png").channels,
+        read("in.npz/image").channels,
+        "codes"
+    );
     relievo(
         here,
         "normals in.npz/depth --depth in.npz/depth -o d.npy -q",
@@ -199,6 +205,34 @@ fn an_archive_is_read_by_the_names_of_its_arrays() {
         line.contains("found intrinsics, image") && line.contains("depth"),
         "{line}"
     );
+}
+
+/// Floats of whole numbers up to 240 are the codes of the same picture in 8 bits, as a warning says; the decoded light of it is
+/// light.
+#[test]
+fn whole_numbers_of_a_picture_are_codes() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_folder(&here.join("in"));
+    let codes = planes(|x, y| DVec3::new((x + y) as f64, 2.0 * y as f64, 240.0 - x as f64));
+    write_npy(&here.join("codes.npy"), &codes);
+    let light = |v: f32| v / 255.0;
+    write_npy(
+        &here.join("shares.npy"),
+        &codes.each_ref().map(|plane| plane.map(light)),
+    );
+    let shown = |picture: &str| {
+        let words = format!(
+            "enhance {picture} --normal in/normal.png --scaling 0 --backend cpu -o out.png"
+        );
+        let said = relievo(here, &words).done().stderr;
+        let read = Photo::read(&here.join("out.png")).unwrap();
+        let code = |i: usize| (255.0 * read.channels[i].at(70, 50)).round();
+        ([0, 1, 2].map(code), said.contains("codes of 8 bits"))
+    };
+    assert_eq!(shown("codes.npy"), ([120.0, 100.0, 170.0], true));
+    let encoded = shown("shares.npy --colorspace srgb");
+    assert_eq!(encoded, ([120.0, 100.0, 170.0], false));
 }
 
 /// Numbers of maps are those of an EXR, in NumPy arrays and in TIFF, and are read again.

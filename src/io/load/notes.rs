@@ -94,6 +94,13 @@ impl Notes {
         }
         warnings.dedup();
         warnings.extend(lossy);
+        let colors = sources.roles.iter().filter(|source| source.role.is_color());
+        warnings.extend(colors.filter_map(|source| {
+            let (bits, role) = (source.file.bits_of_floats()?, source.role.name());
+            Some(format!(
+                "{role}: its whole numbers are taken for codes of {bits} bits, in sRGB unless --colorspace says otherwise"
+            ))
+        }));
         Self { findings, warnings }
     }
 

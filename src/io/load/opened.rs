@@ -53,6 +53,7 @@ pub(crate) struct Judged {
     codes: OnceLock<MapCodes>,
     /// The noise of its slopes, if it is one.
     pub(crate) noise: OnceLock<f32>,
+    bits_of_floats: OnceLock<Option<u8>>,
 }
 
 /// Which of a file's layers are wanted: those of a view, and of a group; the default ones where none is named.
@@ -272,6 +273,12 @@ impl Opened {
         Some(self.judged.codes.get_or_init(|| MapCodes::of(photo)))
     }
 
+    /// The bits of the codes that the floats of a photo of light are, if they are whole numbers.
+    pub(crate) fn bits_of_floats(&self) -> Option<u8> {
+        let bits = &self.judged.bits_of_floats;
+        *bits.get_or_init(|| self.photo()?.bits_of_floats())
+    }
+
     /// The layer whose name is most like `name`, for messages.
     pub(crate) fn alike(&self, name: &str) -> Option<&str> {
         nearest::alike(self.all_layers(), name)
@@ -297,6 +304,8 @@ impl Opened {
                 remedy: "save it as a PNG or TIFF of 16 bits".into(),
             });
         };
+        // Cells that are cut from it are read alike.
+        self.bits_of_floats();
         let mut all = vec![WholePhoto {
             header: photo.header.clone(),
             samples: photo.take_samples()?,

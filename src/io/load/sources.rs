@@ -512,7 +512,16 @@ fn photo_planes(
     }
     let mut read = RolePlanes::of_photo(photo, planes, window);
     if role.is_color() {
+        let bits = source.file.bits_of_floats();
+        if let Some(bits) = bits {
+            let planes = read.planes.iter_mut().chain(&mut read.alpha);
+            planes.for_each(|plane| *plane = plane.map(|v| v / max_code(bits) as f32));
+        }
         read.premultiply();
+        let is_encoded = colorspace.map_or(bits.is_some(), |space| space == ColorSpace::Srgb);
+        if is_encoded && photo.header.is_float {
+            read.decode();
+        }
     }
     if source.is_pair() && source.holds_codes() {
         read.decode_pair();

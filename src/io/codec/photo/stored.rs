@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::frame::{Plane, Window};
 use crate::io::srgb;
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder};
+use image::{DynamicImage, ImageDecoder, ImageFormat};
 use rayon::prelude::*;
 use std::cell::{Ref, RefCell};
 use std::ops::Range;
@@ -120,6 +120,25 @@ impl StoredPhoto {
             take(y, self.rows_of(&image, &(y..y + 1)));
         }
         Ok(())
+    }
+
+    /// The bits of the codes of integers that its floats are: whole numbers, none negative and one above 1. Those of other
+    /// floats are `None`.
+    pub(in crate::io) fn bits_of_floats(&self) -> Option<u8> {
+        let is_held = self.header.bytes() <= self.most_bytes;
+        if !self.header.is_float || self.header.format == ImageFormat::Hdr || !is_held {
+            return None;
+        }
+        let image = self.image().ok()?;
+        let (samples, _) = image.as_bytes().as_chunks::<4>();
+        let most = samples.iter().try_fold(0.0_f32, |most, bytes| {
+            let sample = f32::from_ne_bytes(*bytes);
+            (sample >= 0.0 && sample.fract() == 0.0).then(|| most.max(sample))
+        });
+        let most = most.filter(|most| *most > 1.0)?;
+        [8, 16, 32]
+            .into_iter()
+            .find(|bits| most <= max_code(*bits) as f32)
     }
 
     /// Metadata that a picture made from it keeps.
