@@ -5,7 +5,7 @@ use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use relievo::frame::{Flip, Plane};
 use relievo::io::inputs::{Inputs, NormalEncoding};
-use relievo::io::{Loaded, Needs, load};
+use relievo::io::{Loaded, Needs, load, srgb};
 use std::path::Path;
 
 const SIDE: u32 = 128;
@@ -156,6 +156,48 @@ fn z_is_rebuilt_where_blue_says_nothing() {
     }
     // A photograph of one colour is none.
     assert!(load(&inputs(&photo, Some(&photo)), Needs::default()).is_err());
+}
+
+/// What a program does to a map that it takes for a picture is undone, unless a user says that the codes are those of normals.
+/// Near z = 1 the curve of sRGB makes 1 / 2.4 codes of one, so half a code of rounding is up to 1.2.
+#[test]
+fn mistakes_in_saving_a_map_are_undone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, photo] = ["map.png", "photo.png"].map(|name| folder.path().join(name));
+    save(&photo, |_, _| [200, 150, 120, 255]);
+    let share = |v: f64| 0.5 + 0.5 * v;
+    let round = |share: f64| (255.0 * share).round() as u8;
+    let as_light = |v| round(srgb::encoded(share(v)));
+    let as_linear = |v| round(srgb::decoded(share(v)));
+    let saved: [(&dyn Fn(DVec3) -> [u8; 3], &str); 4] = [
+        (&|n| n.to_array().map(code), ""),
+        (&|n| n.to_array().map(as_light), "saved as sRGB light"),
+        (&|n| n.to_array().map(as_linear), "made linear"),
+        (&|n| [n.y, n.x, n.z].map(code), "red and green exchanged"),
+    ];
+    for (saved, mistake) in saved {
+        save(&path, |x, y| {
+            let [r, g, b] = saved(bump(x, y));
+            [r, g, b, 255]
+        });
+        let mut inputs = inputs(&photo, Some(&path));
+        let loaded = load(&inputs, Needs::default()).unwrap();
+        let said = loaded.warnings.concat();
+        let is_said = said.contains("takes them as they are");
+        assert_eq!(is_said, !mistake.is_empty(), "{mistake}: {said}");
+        assert!(said.contains(mistake), "{mistake}: {said}");
+        let off = error(&loaded, ALL, bump);
+        assert!(off < 1.5 * CODE, "{mistake}: {off}");
+        inputs.normal_encoding = Some(NormalEncoding::Unsigned);
+        let loaded = load(&inputs, Needs::default()).unwrap();
+        let said = loaded.warnings.concat();
+        assert!(
+            !said.contains("takes them as they are"),
+            "{mistake}: {said}"
+        );
+        let is_kept = error(&loaded, ALL, bump) > 0.1;
+        assert_eq!(is_kept, !mistake.is_empty(), "{mistake}");
+    }
 }
 
 #[test]

@@ -22,6 +22,10 @@ const LEAST_NZ: f64 = 0.3;
 const SMOOTH: f64 = 0.7;
 /// One curl is this many times the other, or neither is believed.
 const DECIDES: f64 = 2.0;
+/// The curl is this many times that with x and y exchanged, or they are not.
+const EXCHANGED: f64 = 8.0;
+/// Least share of the curl as it is that the greater one of x and y exchanged has.
+const PLAIN: f64 = 0.25;
 /// Fewer cells of four blocks than this decide nothing.
 const FEWEST_CELLS: usize = 16;
 /// Mean square change of slope from block to block below which a map is flat.
@@ -56,6 +60,23 @@ impl Curl {
     /// The same by the smallest blocks alone.
     pub(crate) fn finest(normal: &Vector3Planes, mask: &Mask) -> Self {
         Self::of_blocks(normal, mask, least_side(mask))
+    }
+
+    /// Whether x and y are exchanged: the other way round there is far less curl, whichever y is turned.
+    pub(crate) fn shows_exchange(normal: &Vector3Planes, mask: &Mask) -> bool {
+        let turned = Vector3Planes {
+            x: normal.y.clone(),
+            y: normal.x.clone(),
+            z: normal.z.clone(),
+        };
+        [1, 2, 4].into_iter().any(|factor| {
+            let curl = |normal| Self::of_blocks(normal, mask, factor * least_side(mask));
+            let (own, other) = (curl(normal), curl(&turned));
+            let least = |curl: &Self| curl.as_is.min(curl.y_turned);
+            // A saddle has no curl either way, but for rounding. With y turned other surfaces have as much as exchanged.
+            let is_plain = PLAIN * least(&own) < other.as_is.max(other.y_turned);
+            is_plain && !own.is_flat() && least(&own) > EXCHANGED * least(&other)
+        })
     }
 
     fn of_blocks(normal: &Vector3Planes, mask: &Mask, side: usize) -> Self {

@@ -1,4 +1,5 @@
-//! What the codes of a normal map hold: whether blue says anything, where x and y are, and the code of a flat surface.
+//! What the codes of a normal map hold: whether blue says anything, where x and y are, what was done to them by mistake, and
+//! the code of a flat surface.
 
 use super::integrability::Curl;
 use super::normal_encoding::NEAR_UNIT;
@@ -6,6 +7,7 @@ use crate::frame::normals::{is_written, with_rebuilt_z};
 use crate::frame::{Mask, Plane, Vector3Planes};
 use crate::io::inputs::NormalEncoding;
 use crate::io::photo::{Meaning, StoredPhoto};
+use crate::io::srgb;
 use crate::kernel::quantile::quantile;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -37,10 +39,89 @@ pub(crate) struct Pair {
     pub(crate) is_sure: bool,
 }
 
+/// Vectors whose length is as near to 1 as this fit, with what a curve makes of the rounding of codes.
+const FITS: f32 = 0.06;
+/// Share of the vectors that fit once a mistake is undone, at least, and as they are, at most.
+const ONLY_SO: (f64, f64) = (0.75, 0.3);
+/// Filters shorten vectors; both curves make half of them longer than this.
+const LONGER: f32 = 1.05;
+/// Vectors that are looked at for it, about.
+const WANTED: usize = 20_000;
+
+/// What was done to the codes of a map as if it were a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Mistake {
+    /// The curve of sRGB was applied.
+    Encoded,
+    /// It was undone.
+    Decoded,
+    /// Red and green were exchanged, as where programs disagree on the order of channels.
+    Exchanged,
+}
+
+impl Mistake {
+    /// The mistakes that are undone by a curve, with it.
+    const CURVES: [(Self, fn(f64) -> f64); 2] = [
+        (Self::Encoded, srgb::decoded),
+        (Self::Decoded, srgb::encoded),
+    ];
+
+    /// What was done to planes of red, green, blue, and alpha if there is one.
+    fn of(planes: &[Plane]) -> Option<Self> {
+        let codes = |x, y| [0, 1, 2].map(|channel: usize| planes[channel].at(x, y));
+        let covers = |x, y| planes.get(3).is_none_or(|alpha| alpha.at(x, y) > 0.5);
+        let is_written = |x, y| covers(x, y) && is_written(codes(x, y));
+        let (width, height) = (planes[0].width(), planes[0].height());
+        let mask = Mask::new(Plane::from_fn(width, height, is_written));
+        let share = |meant: fn(f64) -> f64, holds: fn(Vec3) -> bool| {
+            let vector = |(x, y)| codes(x, y).map(|v| 2.0 * meant(v.into()) as f32 - 1.0);
+            let all: Vec<_> = mask.sample(WANTED).map(vector).collect();
+            let held = all.iter().filter(|v| holds(Vec3::from(**v))).count();
+            held as f64 / all.len().max(1) as f64
+        };
+        let as_is = |v| v;
+        let fits = |v: Vec3| (v.length() - 1.0).abs() < FITS;
+        let (least, most) = ONLY_SO;
+        if share(as_is, fits) >= least {
+            let [x, y, z] = [0, 1, 2].map(|i| planes[i].map(|code| 2.0 * code - 1.0));
+            let faces = share(as_is, |v| v.z > 0.0) >= IN_DISK;
+            let is_exchanged = faces && Curl::shows_exchange(&Vector3Planes { x, y, z }, &mask);
+            return is_exchanged.then_some(Self::Exchanged);
+        }
+        let is_off = share(as_is, fits) <= most && share(as_is, |v| v.length() > LONGER) >= 0.5;
+        let mut curves = Self::CURVES.into_iter();
+        let found = curves.find(|(_, undo)| is_off && share(*undo, fits) >= least);
+        found.map(|(mistake, _)| mistake)
+    }
+
+    /// Makes the planes of a photo what was meant.
+    pub(crate) fn undo(self, planes: &mut [Plane]) {
+        if self == Self::Exchanged {
+            planes.swap(0, 1);
+        }
+        let mut curves = Self::CURVES.into_iter();
+        if let Some((_, undo)) = curves.find(|(mistake, _)| *mistake == self) {
+            for plane in &mut planes[..3] {
+                *plane = plane.map(|code| undo(code.into()) as f32);
+            }
+        }
+    }
+
+    /// What it is, in words.
+    pub(crate) fn said(self) -> &'static str {
+        match self {
+            Self::Encoded => "saved as sRGB light, by their lengths: they are decoded",
+            Self::Decoded => "made linear like light, by their lengths: they are encoded",
+            Self::Exchanged => "red and green exchanged, by the curl of slopes: they are swapped",
+        }
+    }
+}
+
 /// What was found of a map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct MapCodes {
     pub(crate) pair: Option<Pair>,
+    pub(crate) mistake: Option<Mistake>,
     /// Codes of x and y of a flat surface, 0..1, where they are off the middle.
     pub(crate) flat: Option<[f32; 2]>,
 }
@@ -56,27 +137,34 @@ impl MapCodes {
             };
             return Self {
                 pair: Some(pair),
-                flat: None,
+                ..Self::default()
             };
         }
         let planes = match photo.header.may_hold_coded_vectors() {
             true => bands(photo),
             false => None,
         };
-        planes.map_or_else(Self::default, |planes| {
-            Self::of_planes(&planes, photo.header.bits)
-        })
+        let of = |planes| Self::of_planes(planes, photo.header.bits);
+        planes.map_or_else(Self::default, of)
     }
 
     /// The same of planes of red, green, blue, and alpha if there is one.
-    fn of_planes(planes: &[Plane], bits: u8) -> Self {
-        let pair = pair_in(planes);
+    fn of_planes(mut planes: Vec<Plane>, bits: u8) -> Self {
+        let mistake = Mistake::of(&planes);
+        if let Some(mistake) = mistake {
+            mistake.undo(&mut planes);
+        }
+        let pair = pair_in(&planes);
         let x = match pair {
             Some(pair) if pair.encoding == NormalEncoding::Ag => &planes[3],
             _ => &planes[0],
         };
         let flat = (bits == 8).then(|| flat_code(x, &planes[1])).flatten();
-        Self { pair, flat }
+        Self {
+            pair,
+            mistake,
+            flat,
+        }
     }
 }
 

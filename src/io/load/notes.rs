@@ -201,6 +201,12 @@ impl Notes {
         if !integers && known.is_none() && inputs.rows.is_none() {
             refuse_light(stored, source.file.path())?;
         }
+        self.warnings.extend(source.mistake().map(|mistake| {
+            format!(
+                "normals: {}; --normal-encoding unsigned takes them as they are",
+                mistake.said()
+            )
+        }));
         if let (true, None, Some((_, why))) = (integers, inputs.normal_encoding, known) {
             self.warnings.push(format!(
                 "normals: {why}: z is rebuilt from x and y; --normal-encoding unsigned takes all three as they are"

@@ -12,6 +12,7 @@ use crate::io::colorspace::ColorSpace;
 use crate::io::exr::{ChannelId, Part, SampleType};
 use crate::io::inputs::{Inputs, NONE, NormalEncoding, Wrap};
 use crate::io::judge::borders::Borders;
+use crate::io::judge::map_codes::Mistake;
 use crate::io::noise::noise_of;
 use crate::io::photo::{Meaning, StoredPhoto, is_inside, max_code};
 use crate::io::picture::is_picture_name;
@@ -172,10 +173,11 @@ impl RoleSource {
         }
     }
 
-    /// The noise of slopes that is removed from normals in codes; 0 for none.
+    /// The noise of slopes that is removed from normals in codes; 0 for none, or where it cannot be told from their mistake.
     pub(crate) fn noise(&self) -> f32 {
+        let is_exchanged = || self.mistake() == Some(Mistake::Exchanged);
         match self.file.photo() {
-            Some(photo) if self.is_along_axes && !self.is_pair() => {
+            Some(photo) if self.is_along_axes && !self.is_pair() && !is_exchanged() => {
                 *self.file.judged.noise.get_or_init(|| noise_of(photo))
             }
             _ => 0.0,
@@ -299,7 +301,16 @@ impl RoleSource {
             }
             planes[0] = planes[3].clone();
         }
+        if let Some(mistake) = self.mistake() {
+            mistake.undo(&mut planes);
+        }
         Ok(planes)
+    }
+
+    /// The mistake in the codes of its normals that is undone: none where a user says how they are stored.
+    pub(crate) fn mistake(&self) -> Option<Mistake> {
+        let is_judged = self.role == Role::Normal && self.encoding.is_none() && self.is_along_axes;
+        is_judged.then(|| self.file.map_codes()?.mistake)?
     }
 
     /// The window of this source.
@@ -563,7 +574,10 @@ fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> R
         if let Some(flat) = source.file.map_codes().and_then(|codes| codes.flat) {
             flatten(&mut vectors, flat);
         }
-        unround_wrapped(&mut vectors, photo.header.coding_error(), wraps);
+        let curves = [Mistake::Encoded, Mistake::Decoded].map(Some);
+        if !curves.contains(&source.mistake()) {
+            unround_wrapped(&mut vectors, photo.header.coding_error(), wraps);
+        }
     }
     if is_noisy {
         denoise(&mut vectors, wraps);
