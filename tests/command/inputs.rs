@@ -38,7 +38,9 @@ pub(crate) fn write_bumps(
     let depth = Plane::filled(width, height, 5.0);
     let picture = ["R", "G", "B"].map(|name| (name, &lit));
     let layers = [("N.X", x), ("N.Y", y), ("N.Z", z), ("Z", &depth)];
-    Part::of(picture.into_iter().chain(layers)).write(path);
+    // As pbrt writes it: nothing else shows which way x points.
+    let part = Part::of(picture.into_iter().chain(layers));
+    part.text("samplesPerPixel", "64").write(path);
 }
 
 /// Writes a picture of these planes, in the format of its extension.
