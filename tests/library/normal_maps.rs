@@ -169,7 +169,8 @@ fn mistakes_in_saving_a_map_are_undone() {
     let round = |share: f64| (255.0 * share).round() as u8;
     let as_light = |v| round(srgb::encoded(share(v)));
     let as_linear = |v| round(srgb::decoded(share(v)));
-    let saved: [(&dyn Fn(DVec3) -> [u8; 3], &str); 4] = [
+    type Saved<'a> = &'a dyn Fn(DVec3) -> [u8; 3];
+    let saved: [(Saved, &str); 4] = [
         (&|n| n.to_array().map(code), ""),
         (&|n| n.to_array().map(as_light), "saved as sRGB light"),
         (&|n| n.to_array().map(as_linear), "made linear"),

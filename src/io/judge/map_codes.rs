@@ -48,6 +48,8 @@ const LONGER: f32 = 1.05;
 /// Vectors that are looked at for it, about.
 const WANTED: usize = 20_000;
 
+type Curve = fn(f64) -> f64;
+
 /// What was done to the codes of a map as if it were a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Mistake {
@@ -61,7 +63,7 @@ pub(crate) enum Mistake {
 
 impl Mistake {
     /// The mistakes that are undone by a curve, with it.
-    const CURVES: [(Self, fn(f64) -> f64); 2] = [
+    const CURVES: [(Self, Curve); 2] = [
         (Self::Encoded, srgb::decoded),
         (Self::Decoded, srgb::encoded),
     ];
@@ -73,7 +75,7 @@ impl Mistake {
         let is_written = |x, y| covers(x, y) && is_written(codes(x, y));
         let (width, height) = (planes[0].width(), planes[0].height());
         let mask = Mask::new(Plane::from_fn(width, height, is_written));
-        let share = |meant: fn(f64) -> f64, holds: fn(Vec3) -> bool| {
+        let share = |meant: Curve, holds: fn(Vec3) -> bool| {
             let vector = |(x, y)| codes(x, y).map(|v| 2.0 * meant(v.into()) as f32 - 1.0);
             let all: Vec<_> = mask.sample(WANTED).map(vector).collect();
             let held = all.iter().filter(|v| holds(Vec3::from(**v))).count();

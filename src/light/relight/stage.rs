@@ -33,7 +33,7 @@ pub(crate) static RELIGHT: Stage = Stage {
     },
     reach_px: |plan| match plan.relighting() {
         // All around a tile is known from the tile, which is blurred as a whole, with its borders joined.
-        Some(relighting) if plan.tile.is_none() => RIM_REACH + reach(plan, &relighting),
+        Some(relighting) if plan.tile.is_none() => RIM_REACH + reach(plan, relighting),
         _ => RIM_REACH,
     },
     reads_depth: |plan| {

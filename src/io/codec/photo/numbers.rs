@@ -464,9 +464,11 @@ mod tests {
         assert_eq!(read(&file.into_inner()).unwrap().channels[1].at(0, 0), -9.0);
     }
 
+    type TagOf<'a> = (u16, &'a [u16]);
+
     /// A TIFF of 3 x 2 pixels with these samples, of three channels of 8 bits but for these tags; those without a number are
     /// left out.
-    fn tiff(tags: &[(u16, &[u16])], samples: &[u8]) -> Vec<u8> {
+    fn tiff(tags: &[TagOf], samples: &[u8]) -> Vec<u8> {
         let mut all: BTreeMap<u16, &[u16]> = BTreeMap::from([
             (256, &[3][..]),
             (257, &[2]),
@@ -547,7 +549,7 @@ mod tests {
         let grey: [(u16, &[u16]); 4] = [(262, &[1]), (258, &[32]), (277, &[1]), (279, &[24])];
         let photo = read(&tiff(&grey, &long)).unwrap();
         assert_eq!((photo.is_float, photo.channels[0].at(2, 1)), (true, 5000.0));
-        let refused: [(&[(u16, &[u16])], &str); 4] = [
+        let refused: [(&[TagOf], &str); 4] = [
             (
                 &[(262, &[3]), (258, &[8]), (277, &[1]), (279, &[6])],
                 "a palette",
