@@ -78,7 +78,7 @@ impl SheetPart<'_> {
         let estimates = relighting.is_some_and(|own| own.albedo == Albedo::Estimate);
         if estimates && frame.color.is_some() {
             let found = || estimate(frame, &frame.normal, frame.luminance_weights());
-            plan.with_estimate(Some(*self.sheet.albedo.get_or_init(found)));
+            plan.set_estimate(Some(*self.sheet.albedo.get_or_init(found)));
         }
     }
 

@@ -129,7 +129,7 @@ impl Engine {
         }
         let found = search.found();
         plan.scaling = found.given(plan.scaling);
-        plan.with_estimate(found.albedo);
+        plan.set_estimate(found.albedo);
         Ok(())
     }
 }

@@ -1,5 +1,5 @@
 //! Plans: which stages run, in what order, and why. They follow from the products wanted and the inputs present. A plan
-//! touches no pixel.
+//! touches no pixel. Beside it stands what a run hands to the stages of a plan, and what it gets back.
 
 pub(crate) mod available;
 pub(crate) mod drawing;

@@ -118,7 +118,7 @@ impl FrameWork for RelightArgs {
         };
         let request = Request::new(Goal::Relight(self.params()), params);
         let mut plan = request.plan(available)?;
-        plan.with_estimate(seen.found.albedo);
+        plan.set_estimate(seen.found.albedo);
         Ok(vec![plan])
     }
 

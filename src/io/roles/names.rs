@@ -232,8 +232,8 @@ const IMPLIED: &[(Hint, &str)] = &[
     (Hint::depth(Inverse), DISPARITY),
 ];
 
-/// Names of one over the distance, up to a factor, as stereo and estimators give it.
-const DISPARITY: &str = "disparity disp inversedepth invdepth depthinverse";
+/// Names of one over the distance, up to a factor, as stereo and estimators give it; disp is displacement as often.
+const DISPARITY: &str = "disparity inversedepth invdepth depthinverse";
 
 /// What the name of a file that holds depth alone implies, by its words.
 pub(crate) fn hint_of_depth_file(path: &Path) -> (Hint, String) {

@@ -218,7 +218,7 @@ impl Plan {
     }
 
     /// Takes the albedo by the fit of a whole picture.
-    pub(crate) fn with_estimate(&mut self, estimate: Option<AlbedoEstimate>) {
+    pub(crate) fn set_estimate(&mut self, estimate: Option<AlbedoEstimate>) {
         if let Some(&relighting) = self.relighting() {
             self.settings.put(Relighting {
                 estimate,
