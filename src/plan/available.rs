@@ -32,7 +32,8 @@ pub struct Available {
     pub positions: bool,
     /// Whether the layer of ambient occlusion has the grain of few samples.
     pub grainy_occlusion: bool,
-    /// Whether it is a photo or a map of a surface without gaps: no depth but heights, and no passes of light.
+    /// Whether it is a photo or a map of a surface without gaps: no depth but heights, no passes of light, and no perspective
+    /// that is known.
     pub is_map: bool,
     /// Largest rounding error of a component of the normals.
     pub normal_rounding: f32,

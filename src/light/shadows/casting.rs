@@ -101,6 +101,9 @@ impl Cast {
     }
 }
 
+/// Why nothing is cast on what is no map.
+const RENDER: &str = "a render, with depth, light passes or perspective";
+
 fn of_lamps(asked: Shadows, available: Available, light: Casters) -> Result<Cast> {
     let refused = |found: &str, remedy: &str| {
         Err(Error::BadParameter {
@@ -122,7 +125,7 @@ fn of_lamps(asked: Shadows, available: Available, light: Casters) -> Result<Cast
         Shadows::Off => Ok(Cast::given(false, "--shadows off")),
         Shadows::Auto if !light.lamps => Ok(Cast::given(false, "no lamp lights the surface")),
         Shadows::Auto => Ok(match available {
-            _ if !available.is_map => Cast::chosen(false, "a render, with depth or light passes"),
+            _ if !available.is_map => Cast::chosen(false, RENDER),
             _ if light.rakes => Cast::chosen(false, "each region is lit from another side"),
             _ if !available.new_light.raking => Cast::chosen(false, "no light is below 45 degrees"),
             _ => Cast::chosen(true, "a photo or map under a light below 45 degrees"),
@@ -143,7 +146,7 @@ fn of_sky(asked: Shadows, available: Available, light: Casters) -> Result<Cast> 
             Ok(Cast::given(false, "no environment"))
         }
         Shadows::Auto => Ok(match available {
-            _ if !available.is_map => Cast::chosen(false, "a render, with depth or light passes"),
+            _ if !available.is_map => Cast::chosen(false, RENDER),
             _ if available.light.occlusion => Cast::chosen(false, "a layer tells the occlusion"),
             _ => Cast::chosen(true, "a photo or map in an environment"),
         }),
