@@ -74,9 +74,7 @@ impl<'a> Lent<'a> {
 
     /// The value of this type, if there is one.
     pub(crate) fn get<T: Any>(self) -> Option<&'a T> {
-        self.0
-            .into_iter()
-            .flatten()
-            .find_map(|value| value.downcast_ref())
+        let mut lent = self.0.into_iter().flatten();
+        lent.find_map(|value| value.downcast_ref())
     }
 }
