@@ -8,7 +8,7 @@ use crate::light::relight::setting::{EnvironmentUse, Relighting};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::Style;
-use crate::plan::execution::Given;
+use crate::plan::execution::RunInputs;
 use crate::plan::{Available, Plan};
 
 /// Inputs of a plan beside the frame.
@@ -34,8 +34,8 @@ impl<'a> Inputs<'a> {
     }
 
     /// The same, as stages take them.
-    pub(crate) fn given(&self) -> Given<'a> {
-        Given {
+    pub(crate) fn given(&self) -> RunInputs<'a> {
+        RunInputs {
             specular: self.specular,
             sequence: self.sequence,
             others: Lent::of(self.illumination, self.art_map),

@@ -3,11 +3,11 @@
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
-type Value = Arc<dyn Any + Send + Sync>;
+type AnyValue = Arc<dyn Any + Send + Sync>;
 
 /// At most one value of each type.
 #[derive(Clone, Default)]
-pub(crate) struct Shelf(Vec<Value>);
+pub(crate) struct Shelf(Vec<AnyValue>);
 
 impl Shelf {
     /// The value of this type, if there is one.

@@ -25,7 +25,7 @@ pub(crate) struct Runner {
 
 /// What a run takes beside its plan and its frame.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Given<'a> {
+pub(crate) struct RunInputs<'a> {
     /// What mirrors and lenses show.
     pub(crate) specular: Option<&'a SpecularScene>,
     /// What the previous frame of a sequence left.
@@ -40,7 +40,7 @@ pub(crate) struct Execution<'a> {
     pub(crate) frame: &'a Frame,
     /// The frame that this one is a part of, if it is.
     pub(crate) whole: Option<&'a Frame>,
-    pub(crate) inputs: Given<'a>,
+    pub(crate) inputs: RunInputs<'a>,
     pub(crate) runner: &'a Runner,
     /// The runner's planes, and whether this run has been cancelled.
     pub(crate) memory: &'a Memory,
@@ -79,7 +79,7 @@ impl<'a> Execution<'a> {
         runner: &'a Runner,
         plan: &'a Plan,
         frame: &'a Frame,
-        inputs: Given<'a>,
+        inputs: RunInputs<'a>,
     ) -> Self {
         Self {
             plan,

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::plan::Plan;
-use crate::plan::execution::Given;
+use crate::plan::execution::RunInputs;
 use crate::plan::execution::{Execution, Runner};
 use crate::plan::outcome::Outcome;
 use crate::plan::stage::Stage;
@@ -116,7 +116,7 @@ impl<'a> RowLayers<'a> {
             memory: &self.memory,
             outcome: self.outcome.shape_mapped(cut),
             more_gradients: more,
-            ..Execution::new(self.runner, plan, &strip, Given::default())
+            ..Execution::new(self.runner, plan, &strip, RunInputs::default())
         };
         run.go_through(self.rest.iter().copied())?;
         Ok(LaidRows {

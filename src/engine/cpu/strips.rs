@@ -11,7 +11,7 @@ use crate::light::relight::setting::Albedo;
 use crate::light::white_level::chosen_for;
 use crate::params::{Adaptive, ScalingParams};
 use crate::plan::Plan;
-use crate::plan::execution::Given;
+use crate::plan::execution::RunInputs;
 use crate::plan::execution::{Execution, Runner};
 use crate::plan::outcome::Shape;
 use crate::plan::stage::Makes;
@@ -104,7 +104,7 @@ impl StripSearch {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-            let mut run = Execution::new(runner, &given, strip, Given::default());
+            let mut run = Execution::new(runner, &given, strip, RunInputs::default());
             let of_shape = given
                 .stages
                 .iter()
