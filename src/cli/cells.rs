@@ -10,10 +10,11 @@ use crate::io::output::picture::Form;
 use crate::io::{Holding, InputFiles, Loaded, Needs, PartOfPhotos, WholePhoto, wrapped};
 use crate::kernel::timings::add_timings;
 use crate::light::albedo::AlbedoEstimate;
-use crate::light::relight::albedo::estimate;
+use crate::light::relight::albedo_search::estimated;
 use crate::light::relight::setting::Albedo;
 use crate::plan::Plan;
 use crate::plan::outcome::Outcome;
+use crate::plan::search::ChosenFrom;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -77,8 +78,8 @@ impl SheetPart<'_> {
         let relighting = plan.relighting();
         let estimates = relighting.is_some_and(|own| own.albedo == Albedo::Estimate);
         if estimates && frame.color.is_some() {
-            let found = || estimate(frame, &frame.normal, frame.luminance_weights());
-            plan.set_estimate(Some(*self.sheet.albedo.get_or_init(found)));
+            let found = || estimated(&ChosenFrom::whole(frame));
+            plan.set_estimate(*self.sheet.albedo.get_or_init(found));
         }
     }
 

@@ -8,7 +8,7 @@ use super::strip_memory::{FEWEST_ROWS, StripMemory, strips_of, whole_bytes};
 use super::timings::FrameTimings;
 use crate::command::chosen::Chosen;
 use crate::engine;
-use crate::engine::cpu::strips::{StripChoice, StripSearch};
+use crate::engine::strip_search::{Choices, StripSearch};
 use crate::engine::tiles::Strips;
 use crate::error::Result;
 use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
@@ -23,7 +23,6 @@ use crate::plan::outcome::Outcome;
 use crate::work::source::FrameSource;
 use crate::work::{FrameSeen, FrameWork};
 use indicatif::ProgressBar;
-use std::borrow::Cow;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::time::Instant;
@@ -37,7 +36,7 @@ struct StripSource<'a> {
     strips: Strips,
     kit: &'a Kit,
     work: &'a dyn FrameWork,
-    found: StripChoice,
+    choices: Choices,
     timings: RefCell<FrameTimings>,
 }
 
@@ -49,7 +48,7 @@ impl StripSource<'_> {
             ..self.inputs.clone()
         };
         let loaded = self.timed("read", || self.files.load(&inputs, self.needs))?;
-        let plan = plan(self.work, self.kit, &loaded, &self.found)?;
+        let plan = plan(self.work, self.kit, &loaded, &self.choices)?;
         Ok((loaded, plan))
     }
 
@@ -97,7 +96,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: FrameSource) -> Result<Chosen> 
         projection: needs.projection && sample.frame.camera.is_some(),
         ..needs
     };
-    let first = plan(work, kit, &sample, &StripChoice::default())?;
+    let first = plan(work, kit, &sample, &Choices::default())?;
     if first.takes_whole() {
         let why = "casts shadows over the whole picture, which --shadows off and --sky-shadows off leave out";
         return Err(args.too_large(&args.input, why, program_bytes() + whole_bytes(job)));
@@ -120,16 +119,13 @@ pub(super) fn make(kit: &Kit, job: &Job, source: FrameSource) -> Result<Chosen> 
         strips: strips_of(job, cost, first.reach() + HOLE_REACH + CONFIDENCE_REACH)?,
         kit,
         work,
-        found: StripChoice::default(),
+        choices: Choices::default(),
         timings: RefCell::new(FrameTimings::of_window(whole)),
     };
-    source.found = choose(&source, job, &first)?;
-    job.note_gain(&first, source.found.gain);
-    let settled = plan(work, kit, &sample, &source.found)?;
-    let mut outcome = run(work, kit, &settled, &sample.frame)?;
-    outcome.gain = source.found.gain;
-    outcome.white_level = source.found.white_level;
-    outcome.term_white_levels = source.found.term_white_levels.clone();
+    source.choices = choose(&source, job, &first)?;
+    let settled = plan(work, kit, &sample, &source.choices)?;
+    let outcome = run(work, kit, &settled, &sample.frame)?;
+    job.note_gain(&first, outcome.gain);
     let chosen = read.running(&outcome);
     let picture = work.picture(&sample.frame, &outcome);
     let exposure = match picture.as_ref().filter(|_| gathered.is_some()) {
@@ -189,13 +185,11 @@ fn exposure(source: &StripSource, job: &Job, sample: &MadePicture) -> Result<Opt
 }
 
 /// The plan for a picture or a strip of it, with what was found in the whole.
-fn plan(work: &dyn FrameWork, kit: &Kit, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
-    let mut seen = FrameSeen {
-        found: Cow::Borrowed(found),
-        ..FrameSeen::new(&strip.frame, &kit.light)
-    };
-    let plans = work.plans(&mut seen)?;
-    Ok(plans.into_iter().next().expect("one plan makes a picture"))
+fn plan(work: &dyn FrameWork, kit: &Kit, strip: &Loaded, choices: &Choices) -> Result<Plan> {
+    let plans = work.plans(&mut FrameSeen::new(&strip.frame, &kit.light))?;
+    let mut plan = plans.into_iter().next().expect("one plan makes a picture");
+    choices.settle(&mut plan);
+    Ok(plan)
 }
 
 /// The result of a strip.
@@ -243,26 +237,18 @@ fn gathered(
 }
 
 /// Settings left open that are chosen from the whole picture.
-fn choose(source: &StripSource, job: &Job, plan: &Plan) -> Result<StripChoice> {
-    let Some(mut search) = StripSearch::new(plan, source.whole) else {
-        return Ok(StripChoice::default());
-    };
-    let count = source.strips.count();
+fn choose(source: &StripSource, job: &Job, plan: &Plan) -> Result<Choices> {
+    let (runner, count) = (source.kit.engine.cpu_runner(), source.strips.count());
     let bar = strips_bar(&job.args().run, "looking", StripSearch::USUAL_LOOKS * count);
-    for look in 1.. {
-        if look > StripSearch::USUAL_LOOKS {
-            bar.inc_length(count as u64);
-        }
-        source.each(&bar, |loaded, plan, rows| {
-            let runner = source.kit.engine.cpu_runner();
-            source.timed("look", || search.look(runner, plan, &loaded.frame, rows))
-        })?;
-        if !search.next_look() {
-            break;
-        }
-    }
+    let choices = StripSearch::choices(runner, plan, source.whole, |search| {
+        let done = bar.position() + count as u64;
+        bar.set_length(done.max(bar.length().unwrap_or(0)));
+        source.each(&bar, |loaded, _, rows| {
+            source.timed("look", || search.look(&loaded.frame, rows))
+        })
+    });
     bar.finish_and_clear();
-    Ok(search.found())
+    choices
 }
 
 /// Makes the strips, gathers what a display is shown of them, and writes it.

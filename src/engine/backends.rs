@@ -3,6 +3,7 @@
 use crate::engine::cpu;
 #[cfg(feature = "cli")]
 use crate::engine::cpu::row_layers::RowLayers;
+use crate::engine::cpu::runner::RunFrame;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
 #[cfg(feature = "gpu")]
@@ -149,7 +150,8 @@ impl Engine {
             specular: scene.as_ref().or(given),
             ..request.inputs
         };
-        self.execute_to(&plan, &frame, inputs, run, |frame, outcome| {
+        let frame = RunFrame::Shared(&frame);
+        self.execute_to(&plan, frame, inputs, run, |frame, outcome| {
             outcome.complete(&plan, frame, times, &request.params);
         })
     }
@@ -166,35 +168,37 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
-        self.execute_to(plan, frame, inputs, run, |_, _| ())
+        self.execute_to(plan, RunFrame::Shared(frame), inputs, run, |_, _| ())
     }
 
     /// As [`Engine::execute`], with what is done to the outcome of the part of the frame that is run.
     fn execute_to(
         &self,
         plan: &Plan,
-        frame: &Frame,
+        mut held: RunFrame,
         inputs: Inputs,
         run: &Run,
         complete: impl FnOnce(&Frame, &mut Outcome),
     ) -> Result<Outcome> {
+        let frame = held.get();
         let window = run.region.unwrap_or(frame.data_window);
         run.begin([window.height(), window.width()])?;
         // A tile is run with as much of its repetition around it as the plan reaches.
         let tile = frame.is_tile().then_some(frame.data_window);
         let Some(region) = run.region.or(tile) else {
             let mut outcome = run.install(|| match run.max_memory {
-                Some(most) => self.execute_in_strips(plan, frame, inputs, run, most),
-                None => self.execute_here(plan, frame, inputs, run),
+                Some(most) => self.execute_in_strips(plan, held.get(), inputs, run, most),
+                None => self.execute_here(plan, held.again(), inputs, run),
             })?;
-            complete(frame, &mut outcome);
-            run.finish(frame, &outcome)?;
+            complete(held.get(), &mut outcome);
+            run.finish(held.get(), &outcome)?;
             return Ok(outcome);
         };
         let part = FramePart::around(region, plan, frame, inputs)?;
         let inputs = part.inputs(inputs);
-        let mut outcome =
-            run.install(|| self.execute_here(&part.plan, &part.frame, inputs, run))?;
+        let mut outcome = run.install(|| {
+            self.execute_here(&part.plan, RunFrame::Shared(&part.frame), inputs, run)
+        })?;
         outcome.crop(part.frame.data_window, region);
         let frame = frame.crop(region);
         complete(&frame, &mut outcome);
@@ -206,11 +210,11 @@ impl Engine {
     pub(super) fn execute_here(
         &self,
         plan: &Plan,
-        frame: &Frame,
+        frame: RunFrame,
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
-        match self.on_device(plan, frame, inputs, run)? {
+        match self.on_device(plan, frame.get(), inputs, run)? {
             Some(outcome) => Ok(outcome),
             None => self
                 .cpu
@@ -231,16 +235,7 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
-        if run.region.is_some() || run.max_memory.is_some() || frame.is_tile() {
-            return self.execute(plan, frame, inputs, run);
-        }
-        run.begin([frame.mask.height(), frame.mask.width()])?;
-        let outcome = run.install(|| match self.on_device(plan, frame, inputs, run)? {
-            Some(outcome) => Ok(outcome),
-            None => self.cpu.execute_sparingly(plan, frame, inputs, run.watch()),
-        })?;
-        run.finish(frame, &outcome)?;
-        Ok(outcome)
+        self.execute_to(plan, RunFrame::Own(frame), inputs, run, |_, _| ())
     }
 
     /// The result of the device; `None` if the CPU must run the plan. A lost device is reported once.
@@ -368,7 +363,7 @@ impl Engine {
     pub(crate) fn execute_for_rows<'a>(
         &'a self,
         plan: &'a Plan,
-        frame: &mut Frame,
+        frame: &Frame,
         inputs: Inputs,
         run: &Run,
     ) -> Result<RowLayers<'a>> {

@@ -1,10 +1,11 @@
 //! A frame in strips of rows, where a run may take less memory than the whole frame does.
 
 use crate::engine::backends::Engine;
-use crate::engine::cpu::strips::StripSearch;
+use crate::engine::cpu::runner::RunFrame;
 use crate::engine::inputs::Inputs;
 use crate::engine::part::FramePart;
 use crate::engine::run::Run;
+use crate::engine::strip_search::StripSearch;
 use crate::engine::tiles::{Strips, rows_of};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, LightLayers};
@@ -63,7 +64,7 @@ impl Engine {
         let of_row = (bytes_a_pixel(plan, frame) * whole.width() as u64).max(1);
         let most_rows = usize::try_from(most_bytes / of_row).unwrap_or(usize::MAX);
         if most_rows >= whole.height() {
-            return self.execute_here(plan, frame, inputs, run);
+            return self.execute_here(plan, RunFrame::Shared(frame), inputs, run);
         }
         if plan.drawing.is_some() || plan.takes_whole() {
             let found = "a drawing, heights, skies, cast shadows and light turned to the form take the frame whole";
@@ -81,13 +82,25 @@ impl Engine {
                 remedy: "allow more memory",
             }
         })?;
+        let choices = StripSearch::choices(self.cpu_runner(), plan, whole, |search| {
+            strips.each().try_for_each(|(takes, gives)| {
+                run.watch().check()?;
+                let part = part_of(plan, frame, inputs, &takes, &gives)?;
+                search.look(&part.frame, gives)
+            })
+        })?;
         let mut plan = plan.clone();
-        self.choose_in_strips(&mut plan, frame, inputs, run, &strips)?;
+        choices.settle(&mut plan);
         let mut all: Option<Outcome> = None;
         for (takes, gives) in strips.each() {
             let part = part_of(&plan, frame, inputs, &takes, &gives)?;
             let rows = takes.start + gives.start..takes.start + gives.end;
-            let mut made = self.execute_here(&part.plan, &part.frame, part.inputs(inputs), run)?;
+            let mut made = self.execute_here(
+                &part.plan,
+                RunFrame::Shared(&part.frame),
+                part.inputs(inputs),
+                run,
+            )?;
             let (from, to) = (part.frame.data_window, rows_of(whole, &rows));
             if !plan.makes_shape_alone() {
                 let shape = std::mem::take(&mut made.shape);
@@ -103,34 +116,6 @@ impl Engine {
             self.recycle(made);
         }
         Ok(all.unwrap_or_default())
-    }
-
-    /// Fixes what the plan leaves to be chosen from the whole frame.
-    fn choose_in_strips(
-        &self,
-        plan: &mut Plan,
-        frame: &Frame,
-        inputs: Inputs,
-        run: &Run,
-        strips: &Strips,
-    ) -> Result<()> {
-        let Some(mut search) = StripSearch::new(plan, frame.data_window) else {
-            return Ok(());
-        };
-        loop {
-            for (takes, gives) in strips.each() {
-                run.watch().check()?;
-                let part = part_of(plan, frame, inputs, &takes, &gives)?;
-                search.look(self.cpu_runner(), plan, &part.frame, gives)?;
-            }
-            if !search.next_look() {
-                break;
-            }
-        }
-        let found = search.found();
-        plan.scaling = found.given(plan.scaling);
-        plan.set_estimate(found.albedo);
-        Ok(())
     }
 }
 

@@ -11,6 +11,7 @@ pub(crate) mod part;
 pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;
+pub(crate) mod strip_search;
 pub(crate) mod target;
 pub(crate) mod tiles;
 pub(crate) mod tolerances;

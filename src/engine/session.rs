@@ -1,6 +1,7 @@
 //! Sessions: repeated runs of one frame with changing parameters; only affected stages are recomputed.
 
 use crate::engine::backends::Engine;
+use crate::engine::cpu::runner::RunFrame;
 use crate::engine::inputs::Inputs;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
@@ -112,7 +113,7 @@ impl<F: AsRef<Frame>> Session<F> {
         let (frame, kept) = (self.held.as_ref(), Some(&mut self.kept));
         self.outcome = run.install(|| {
             self.runner
-                .execute_watched(plan, frame, inputs, run.watch(), kept)
+                .execute_watched(plan, RunFrame::Shared(frame), inputs, run.watch(), kept)
         })?;
         for (pass, _) in &self.outcome.timings {
             *self.counts.entry(pass).or_default() += 1;

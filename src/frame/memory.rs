@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 ///
 /// Long loops check it once per row, tile or line, and when cancelled return at once, leaving undefined samples. Nobody
 /// sees these: the run checks its token after each stage, and discards a stage that was cancelled.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Memory {
     spare: Arc<Mutex<Vec<Vec<f32>>>>,
     cancel: Option<CancelToken>,

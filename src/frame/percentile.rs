@@ -20,22 +20,13 @@ pub(crate) fn percentile(
     percent: u32,
     value: impl Fn(usize, usize) -> Option<f32> + Sync,
 ) -> Option<f32> {
-    sample(mask, 0..mask.height(), value).percentile(percent)
-}
-
-/// The sampled values of a whole picture, of which only those in `rows` count.
-pub(crate) fn sample<T: Value>(
-    mask: &Mask,
-    rows: Range<usize>,
-    value: impl Fn(usize, usize) -> Option<T> + Sync,
-) -> Sample<T> {
     let mut sample = Sample::default();
     sample.begin(&Extent::of(mask));
     while sample.is_open() {
-        sample.add(mask, rows.clone(), 0, &value);
+        sample.add(mask, 0..mask.height(), 0, &value);
         sample.end_look();
     }
-    sample
+    sample.percentile(percent)
 }
 
 /// What is known of a pixel: a number, or a number and its weight.
@@ -60,30 +51,52 @@ impl Value for [f32; 2] {
 pub(crate) struct Sample<T> {
     lattice: Lattice,
     values: Vec<T>,
-    looks: Looks,
+    looks: Look,
 }
 
 /// The look that a sample takes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-enum Looks {
+enum Look {
     First,
     Second,
     #[default]
     Done,
 }
 
-impl<T: Value> Sample<T> {
-    /// Begins the first look at a picture with these covered pixels.
-    pub(crate) fn begin(&mut self, extent: &Extent) {
+/// A sample that is taken in one or two looks at a picture.
+pub(crate) trait Looks {
+    /// Begins the first, of a picture with these covered pixels.
+    fn begin(&mut self, extent: &Extent);
+    /// Whether it takes another.
+    fn is_open(&self) -> bool;
+    /// Ends one, at all rows.
+    fn end_look(&mut self);
+}
+
+impl<T: Value> Looks for Sample<T> {
+    fn begin(&mut self, extent: &Extent) {
         self.lattice = extent.lattice();
-        self.looks = Looks::First;
+        self.looks = Look::First;
     }
 
-    /// Whether it takes another look.
-    pub(crate) fn is_open(&self) -> bool {
-        self.looks != Looks::Done
+    fn is_open(&self) -> bool {
+        self.looks != Look::Done
     }
 
+    fn end_look(&mut self) {
+        let finer = finer_side(self.lattice.side, self.values.len() as u32);
+        self.looks = match self.looks {
+            Look::First if finer < self.lattice.side => Look::Second,
+            _ => Look::Done,
+        };
+        if self.looks == Look::Second {
+            self.lattice.side = finer;
+            self.values.clear();
+        }
+    }
+}
+
+impl<T: Value> Sample<T> {
     /// Looks at the rows `rows` of a strip whose first row is row `top` of the picture.
     pub(crate) fn add(
         &mut self,
@@ -109,20 +122,6 @@ impl<T: Value> Sample<T> {
                 values.filter(|v| v.is_finite())
             });
         self.values.par_extend(values);
-    }
-
-    /// Ends a look at all rows, and returns whether it takes another.
-    pub(crate) fn end_look(&mut self) -> bool {
-        let finer = finer_side(self.lattice.side, self.values.len() as u32);
-        self.looks = match self.looks {
-            Looks::First if finer < self.lattice.side => Looks::Second,
-            _ => Looks::Done,
-        };
-        if self.looks == Looks::Second {
-            self.lattice.side = finer;
-            self.values.clear();
-        }
-        self.is_open()
     }
 
     /// The values, once no other look is taken.

@@ -172,13 +172,6 @@ impl GlossyFilter {
     }
 }
 
-/// The reflection of `environment` by a lobe with exponent `shininess` (eta, 0 and up), indexed by the mirror direction
-/// r: a map of at most `max_width` columns. A constant environment stays constant.
-#[cfg(test)]
-pub(crate) fn glossy(environment: &Environment, shininess: f32, max_width: usize) -> Environment {
-    GlossyFilter::new(environment, shininess, max_width).filtered(|| true)
-}
-
 /// A single pixel that keeps the rotation of `environment`.
 fn corner(environment: &Environment) -> Environment {
     Environment::from_fn(1, 1, |_, _| [0.0; 3]).turned_like(environment)
@@ -269,6 +262,12 @@ fn interpolated(environment: &Environment, width: usize, height: usize) -> Vec<[
 mod tests {
     use super::*;
     use glam::Vec3;
+
+    /// The reflection of `environment` by a lobe with exponent `shininess` (eta, 0 and up), indexed by the mirror direction
+    /// r: a map of at most `max_width` columns. A constant environment stays constant.
+    fn glossy(environment: &Environment, shininess: f32, max_width: usize) -> Environment {
+        GlossyFilter::new(environment, shininess, max_width).filtered(|| true)
+    }
 
     fn constant(width: usize, height: usize) -> Environment {
         Environment::from_fn(width, height, |_, _| [0.3, 1.0, 700.0])

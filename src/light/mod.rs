@@ -28,5 +28,6 @@ pub(crate) mod sum;
 pub(crate) mod texels;
 pub(crate) mod tones;
 pub(crate) mod white_level;
+mod white_search;
 
 pub(crate) use texels::sane;

@@ -1,13 +1,12 @@
 //! White levels: chosen from the whole picture, or given.
 
 use crate::light::enhancement::Subject;
-use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
+use crate::light::white_search::{TermSearch, WhiteSearch};
 use crate::params::{Adaptive, Magnitudes};
 use crate::plan::Plan;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
-use crate::shape::auto_levels::cpu::white_level;
 
 /// The white level of the picture, or one for each term of its light.
 pub(crate) static AUTO_WHITE: Stage = Stage {
@@ -27,6 +26,10 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
             "{scaled:?} {has_ambient} {:?} {:?}",
             scaling.white_level, scaling.term_white_levels
         )
+    },
+    chooses: |plan| match chosen_for(plan)? {
+        Subject::Lobes => Some(Box::new(TermSearch::default())),
+        _ => Some(Box::new(WhiteSearch::default())),
     },
     reads_normals: false,
     makes: Makes::Picture,
@@ -71,20 +74,13 @@ fn choose_white(run: &mut Execution) {
 }
 
 fn choose_picture_white(run: &mut Execution) {
-    let (plan, frame, own) = (run.plan, run.frame, run.chosen_from());
-    let white = match plan.scaling.white_level {
+    let white = match run.plan.scaling.white_level {
         Adaptive::Fixed(level) => level,
         // Ambient occlusion is the share of 1 that arrives.
-        Adaptive::Auto if frame.light.picture_is_occlusion => 1.0,
+        Adaptive::Auto if run.frame.light.picture_is_occlusion => 1.0,
         Adaptive::Auto => run.copied_or("white", Some(""), |run| {
-            run.timed(AUTO_WHITE.name, || {
-                let own = own();
-                let color = own
-                    .color
-                    .as_ref()
-                    .expect("radiance scaling needs a picture");
-                let weights = frame.luminance_weights();
-                white_level(color, weights, &own.mask)
+            run.timed_on(AUTO_WHITE.name, |run| {
+                run.searched(WhiteSearch::default()).level()
             })
         }),
     };
@@ -92,19 +88,29 @@ fn choose_picture_white(run: &mut Execution) {
 }
 
 fn choose_term_whites(run: &mut Execution) {
-    let (plan, own) = (run.plan, run.chosen_from());
-    let levels = || {
-        let own = own();
-        let terms = light_terms(&own.light.lobes, &plan.scaling);
-        white_levels(&terms, &own, &plan.scaling)
-    };
-    run.outcome.term_white_levels = match plan.scaling.white_level {
+    let plan = run.plan;
+    let found = match plan.scaling.white_level {
         Adaptive::Auto => {
             let key = plan.key(AUTO_WHITE.name);
             run.copied_or("white levels of terms", Some(key), |run| {
-                run.timed(AUTO_WHITE.name, levels)
+                run.timed_on(AUTO_WHITE.name, |run| {
+                    run.searched(TermSearch::default()).levels()
+                })
             })
         }
-        Adaptive::Fixed(_) => levels(),
+        Adaptive::Fixed(_) => Vec::new(),
     };
+    let scaling = &plan.scaling;
+    let terms = light_terms(&run.frame.light.lobes, scaling);
+    let level = |name| {
+        let of_name = found.iter().find(|(term, _)| *term == name);
+        let found = of_name.map(|&(_, level)| level);
+        let given = match scaling.white_level {
+            Adaptive::Fixed(level) => Some(level),
+            Adaptive::Auto => None,
+        };
+        let level = scaling.term_white_levels.of(name).or(given).or(found);
+        (name, level.unwrap_or(1.0))
+    };
+    run.outcome.term_white_levels = terms.iter().map(|term| level(term.name)).collect();
 }

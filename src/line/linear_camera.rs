@@ -35,17 +35,6 @@ impl<F: Float> LinearCamera<F> {
         }
     }
 
-    /// The foot of the ray through a point (x, y, z): [LA] equation 6. `None` on the focal locus, where neighbouring
-    /// rays meet.
-    #[cfg(test)]
-    pub(crate) fn foot_of(&self, [x, y, z]: [F; 3]) -> Option<[F; 2]> {
-        let [s, t] = self.slope;
-        let [u, v] = self.spread_back(z, [x - z * s, y - z * t]);
-        let (area, size) = self.area(z);
-        let is_focal = area.abs() <= F::epsilon().sqrt() * size;
-        (!is_focal).then(|| [u / area, v / area])
-    }
-
     /// Direction in which the foot moves, (du, dv) of any length and either sense, when the point hit by the first ray
     /// at height `z` moves along a `direction`: equation 6 in the limit of no motion.
     ///
@@ -64,18 +53,6 @@ impl<F: Float> LinearCamera<F> {
         let ([a, c], [b, d]) = (self.along_u, self.along_v);
         let one = F::one();
         [(one + z * d) * x - z * b * y, (one + z * a) * y - z * c * x]
-    }
-
-    /// The determinant of `I + z M`, `A' z^2 + B' z + C'`, and the sum of the sizes of its terms.
-    #[cfg(test)]
-    fn area(&self, z: F) -> (F, F) {
-        let ([a, c], [b, d]) = (self.along_u, self.along_v);
-        let (quadratic, linear) = ((a * d - b * c) * z * z, (a + d) * z);
-        let one = F::one();
-        (
-            quadratic + linear + one,
-            quadratic.abs() + linear.abs() + one,
-        )
     }
 }
 
@@ -159,6 +136,29 @@ mod tests {
     use super::*;
     use rand_core::Rng;
     use rand_pcg::Pcg64;
+
+    impl<F: Float> LinearCamera<F> {
+        /// The foot of the ray through a point (x, y, z): [LA] equation 6. `None` on the focal locus, where neighbouring
+        /// rays meet.
+        fn foot_of(&self, [x, y, z]: [F; 3]) -> Option<[F; 2]> {
+            let [s, t] = self.slope;
+            let [u, v] = self.spread_back(z, [x - z * s, y - z * t]);
+            let (area, size) = self.area(z);
+            let is_focal = area.abs() <= F::epsilon().sqrt() * size;
+            (!is_focal).then(|| [u / area, v / area])
+        }
+
+        /// The determinant of `I + z M`, `A' z^2 + B' z + C'`, and the sum of the sizes of its terms.
+        fn area(&self, z: F) -> (F, F) {
+            let ([a, c], [b, d]) = (self.along_u, self.along_v);
+            let (quadratic, linear) = ((a * d - b * c) * z * z, (a + d) * z);
+            let one = F::one();
+            (
+                quadratic + linear + one,
+                quadratic.abs() + linear.abs() + one,
+            )
+        }
+    }
 
     /// Even numbers from -1 to 1.
     struct Numbers(Pcg64);

@@ -8,9 +8,9 @@ use crate::plan::Plan;
 use crate::plan::drawing::SequenceInputs;
 use crate::plan::frame_cache::FrameCache;
 use crate::plan::outcome::Outcome;
+use crate::plan::search::StripRows;
 use crate::plan::watch::Watch;
 use crate::product::Product;
-use std::borrow::Cow;
 use std::time::Instant;
 
 /// Runs plans one after another. Recycled outcomes provide memory for the next ones, and stages keep what takes long to
@@ -40,6 +40,8 @@ pub(crate) struct Execution<'a> {
     pub(crate) frame: &'a Frame,
     /// The frame that this one is a part of, if it is.
     pub(crate) whole: Option<&'a Frame>,
+    /// Its rows that count, where it is a strip of a picture of which something is chosen.
+    pub(crate) strip: Option<StripRows>,
     pub(crate) inputs: RunInputs<'a>,
     pub(crate) runner: &'a Runner,
     /// The runner's planes, and whether this run has been cancelled.
@@ -68,10 +70,10 @@ pub(crate) struct Execution<'a> {
 #[derive(Default)]
 pub(crate) struct Interim {
     pub(crate) outcome: Outcome,
-    undiffused: Option<Vector2Planes>,
-    more_gradients: Vec<Vector2Planes>,
-    trace: Option<Plane>,
-    handed_on: Shelf,
+    pub(crate) undiffused: Option<Vector2Planes>,
+    pub(crate) more_gradients: Vec<Vector2Planes>,
+    pub(crate) trace: Option<Plane>,
+    pub(crate) handed_on: Shelf,
 }
 
 impl<'a> Execution<'a> {
@@ -85,6 +87,7 @@ impl<'a> Execution<'a> {
             plan,
             frame,
             whole: None,
+            strip: None,
             inputs,
             runner,
             memory: &runner.memory,
@@ -124,18 +127,16 @@ impl<'a> Execution<'a> {
         }
     }
 
-    /// Finds the frame that automatic choices are made from: the whole of a part, and of one that repeats a tile, the tile.
-    pub(crate) fn chosen_from(&self) -> impl FnOnce() -> Cow<'a, Frame> + use<'a> {
-        let (whole, plan, frame) = (self.whole, self.plan, self.frame);
-        move || whole.map_or_else(|| plan.own_part(frame), Cow::Borrowed)
-    }
-
     pub(crate) fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {
         self.timed_on(name, |_| pass())
     }
 
     /// Runs a pass over what has been made so far, and keeps its time under `name`.
-    pub(crate) fn timed_on<T>(&mut self, name: &'static str, pass: impl FnOnce(&Self) -> T) -> T {
+    pub(crate) fn timed_on<T>(
+        &mut self,
+        name: &'static str,
+        pass: impl FnOnce(&mut Self) -> T,
+    ) -> T {
         let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
         self.watch
             .begins(name, passed as f32 / planned.max(1) as f32);

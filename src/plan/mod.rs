@@ -10,6 +10,7 @@ pub(crate) mod outcome;
 pub(crate) mod planned;
 #[cfg(feature = "gpu")]
 pub(crate) mod recording;
+pub(crate) mod search;
 pub(crate) mod stage;
 pub(crate) mod watch;
 

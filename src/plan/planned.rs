@@ -1,6 +1,6 @@
 //! The plan and its decisions.
 
-use crate::frame::{Frame, Window};
+use crate::frame::Window;
 use crate::kernel::shelf::Shelf;
 use crate::params::{
     Background, ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
@@ -9,7 +9,6 @@ use crate::plan::available::Available;
 use crate::plan::stage::{Makes, Stage};
 use crate::product::Product;
 use serde::Serialize;
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Source of surface positions at neighbouring pixels.
@@ -121,22 +120,6 @@ impl Plan {
             ..self
         }
         .follow()
-    }
-
-    /// The part of a frame that automatic choices are made from: of one that repeats a tile, the tile.
-    pub(crate) fn own_part<'f>(&self, frame: &'f Frame) -> Cow<'f, Frame> {
-        match self.tile {
-            Some(tile) => Cow::Owned(frame.crop(tile.window)),
-            None => Cow::Borrowed(frame),
-        }
-    }
-
-    /// The same plan without the stages that produce `product`.
-    pub(crate) fn without(mut self, product: Product) -> Self {
-        let gives = |stage: &Stage| stage.gives().any(|given| given == product);
-        self.stages.retain(|stage| !gives(stage));
-        self.wanted.remove(&product);
-        self.follow()
     }
 
     /// Follows dependencies from the first stage to the last: the reach of samples, and the keys of results.

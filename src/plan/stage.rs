@@ -6,6 +6,7 @@ use crate::plan::Plan;
 use crate::plan::execution::Execution;
 #[cfg(feature = "gpu")]
 use crate::plan::recording::Recording;
+use crate::plan::search::Search;
 use crate::product::Product;
 
 /// A stage: one pass over the frame, or several that belong together.
@@ -38,6 +39,8 @@ pub(crate) struct Stage {
     pub(crate) reads_depth: fn(&Plan) -> bool,
     /// A key of the parameters its result depends on: equal keys, equal results.
     pub(crate) depends_on: fn(&Plan) -> String,
+    /// What it chooses from the whole picture, where that is left open.
+    pub(crate) chooses: fn(&Plan) -> Option<Box<dyn Search>>,
     /// Runs it on the CPU.
     pub(crate) cpu: fn(&mut Execution),
     /// Records it on a device; without, the CPU runs it when its turn comes.
@@ -73,6 +76,7 @@ impl Stage {
         takes_normals: |_| false,
         reads_depth: |_| true,
         depends_on: |_| String::new(),
+        chooses: |_| None,
         cpu: |_| (),
         #[cfg(feature = "gpu")]
         gpu: None,

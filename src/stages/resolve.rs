@@ -203,7 +203,6 @@ mod tests {
     use crate::light::lights::LightKinds;
     use crate::line::direction::FILL_REACH_PX;
     use crate::plan::LightAvailable;
-    use crate::product::Product;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
@@ -314,7 +313,6 @@ mod tests {
         let layers = plan(Goal::LAYERS, DEPTH, 50);
         let directions = GAP_REACH + layers.direction_steps_px[1] + FILL_REACH_PX;
         assert_eq!(layers.reach(), enhanced.reach().max(directions));
-        assert_eq!(layers.without(Product::Direction).reach(), enhanced.reach());
     }
 
     #[test]

@@ -73,7 +73,7 @@ impl FrameWork for EnhanceArgs {
     }
 
     fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
-        let request = Request::enhance(seen.params(&self.work));
+        let request = Request::enhance(self.work.flags.params);
         let available = Available {
             light: self.light_available(&seen.frame.light),
             ..Available::in_frame(seen.frame)

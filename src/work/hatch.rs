@@ -138,7 +138,7 @@ impl FrameWork for HatchArgs {
     }
 
     fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
-        let mut params = seen.params(self.args());
+        let mut params = self.args().flags.params;
         params.relight = self.relight.params();
         let available = Available {
             moving: seen.moves,

@@ -19,7 +19,6 @@ use crate::command::map::MapArgs;
 use crate::command::motion_arg::MotionArg;
 use crate::command::named::Named;
 use crate::command::relight_args::RelightArgs;
-use crate::engine::cpu::strips::StripChoice;
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
 use crate::io::exr::{OutputChannel, OutputType};
@@ -29,7 +28,6 @@ use crate::io::output::picture::MadePicture;
 use crate::io::{Loaded, Needs, SpecularInputs, svg};
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::Params;
 use crate::plan::Plan;
 use crate::plan::outcome::Outcome;
 use map::MapSamples;
@@ -48,8 +46,6 @@ pub(crate) struct FrameSeen<'f, 'l> {
     pub(crate) is_in_sequence: bool,
     /// Whether strokes move with the surface.
     pub(crate) moves: bool,
-    /// Choices made on the whole picture, if the frame is a strip of it.
-    pub(crate) found: Cow<'l, StripChoice>,
 }
 
 impl<'f, 'l> FrameSeen<'f, 'l> {
@@ -62,16 +58,6 @@ impl<'f, 'l> FrameSeen<'f, 'l> {
             times: 1.0,
             is_in_sequence: false,
             moves: false,
-            found: Cow::default(),
-        }
-    }
-
-    /// The parameters of a command on this frame, with what was chosen for it.
-    pub(crate) fn params(&self, args: &WorkArgs) -> Params {
-        let params = args.flags.params;
-        Params {
-            scaling: self.found.given(params.scaling),
-            ..params
         }
     }
 }

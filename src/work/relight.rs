@@ -111,15 +111,13 @@ impl FrameWork for RelightArgs {
     }
 
     fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
-        let params = seen.params(&self.work);
+        let params = self.work.flags.params;
         let available = Available {
             specular: seen.is_specular.then(|| self.tracing(&params)),
             ..Available::in_frame(seen.frame).lit_by(&seen.light)
         };
         let request = Request::new(Goal::Relight(self.params()), params);
-        let mut plan = request.plan(available)?;
-        plan.set_estimate(seen.found.albedo);
-        Ok(vec![plan])
+        Ok(vec![request.plan(available)?])
     }
 
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {

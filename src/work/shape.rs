@@ -94,7 +94,7 @@ pub(crate) fn plan(work: &WorkArgs, in_layers: bool, seen: &FrameSeen) -> Result
         more_px: work.flags.more_scales(),
     };
     let goal = if in_layers { layers } else { Goal::Display };
-    Request::new(goal, seen.params(work)).plan(Available::in_frame(seen.frame))
+    Request::new(goal, work.flags.params).plan(Available::in_frame(seen.frame))
 }
 
 /// Products that are made since they are named.

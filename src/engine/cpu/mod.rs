@@ -3,7 +3,6 @@
 #[cfg(feature = "cli")]
 pub(crate) mod row_layers;
 pub(crate) mod runner;
-pub(crate) mod strips;
 
 pub(crate) use crate::plan::execution::Runner;
 

@@ -1,14 +1,13 @@
 //! Layers whose last stages run while they are written: what some rows tell is never there as a whole.
 
-use crate::engine::cpu::runner::lengths_for;
+use crate::engine::cpu::runner::{Passage, RunFrame};
 use crate::engine::inputs::Inputs;
 use crate::engine::tiles::rows_of;
 use crate::error::Result;
 use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::plan::Plan;
-use crate::plan::execution::RunInputs;
-use crate::plan::execution::{Execution, Runner};
+use crate::plan::execution::{Interim, RunInputs, Runner};
 use crate::plan::outcome::Outcome;
 use crate::plan::stage::Stage;
 use crate::plan::watch::Watch;
@@ -35,14 +34,14 @@ pub(crate) struct LaidRows {
 }
 
 impl Runner {
-    /// Runs `plan`, but for stages that run on rows. The frame loses the lengths of its normals.
+    /// Runs `plan`, but for stages that run on rows.
     ///
     /// # Errors
     /// As [`Runner::execute`].
     pub(crate) fn execute_for_rows<'a>(
         &'a self,
         plan: &'a Plan,
-        frame: &mut Frame,
+        frame: &Frame,
         inputs: Inputs,
         watch: Watch,
     ) -> Result<RowLayers<'a>> {
@@ -53,20 +52,12 @@ impl Runner {
             .iter()
             .copied()
             .partition(|stage: &&'static Stage| stage.by_rows && of_shape);
-        let memory = &self.memory.for_run(watch.token());
-        let first = whole.first();
-        let lengths = first.and_then(|stage| lengths_for(stage, plan, frame));
-        let mut run = Execution {
-            memory,
-            watch,
-            lengths,
-            ..Execution::new(self, plan, frame, inputs.given())
-        };
-        run.go_through(whole)?;
-        let (mut outcome, more_gradients) = (run.outcome, run.more_gradients);
+        let passage = Passage::new(self, plan, inputs.given(), watch);
+        let made = passage.go(RunFrame::Shared(frame), &whole)?;
+        let (mut outcome, more_gradients) = (made.outcome, made.more_gradients);
         if !rest.is_empty() {
             // The gain takes it; rows have their own.
-            memory.recycle(outcome.shape.trace.take());
+            self.memory.recycle(outcome.shape.trace.take());
         }
         Ok(RowLayers {
             more_gradients,
@@ -112,16 +103,19 @@ impl<'a> RowLayers<'a> {
             y: cut(y),
         });
         let more = more.collect();
-        let mut run = Execution {
-            memory: &self.memory,
-            outcome: self.outcome.shape_mapped(cut),
-            more_gradients: more,
-            ..Execution::new(self.runner, plan, &strip, RunInputs::default())
+        let passage = Passage {
+            memory: self.memory.clone(),
+            made: Interim {
+                outcome: self.outcome.shape_mapped(cut),
+                more_gradients: more,
+                ..Interim::default()
+            },
+            ..Passage::new(self.runner, plan, RunInputs::default(), Watch::default())
         };
-        run.go_through(self.rest.iter().copied())?;
+        let made = passage.go(RunFrame::Shared(&strip), &self.rest)?;
         Ok(LaidRows {
             rows: rows.start - takes.start..rows.end - takes.start,
-            outcome: run.outcome,
+            outcome: made.outcome,
             frame: strip,
         })
     }

@@ -12,13 +12,143 @@ use crate::line::specular;
 use crate::line::specular::map_directions::DirectionCache;
 use crate::params::LineParams;
 use crate::plan::Plan;
-use crate::plan::execution::{Execution, Interim, Runner};
+use crate::plan::execution::{Execution, Interim, RunInputs, Runner};
 use crate::plan::frame_cache::FrameCache;
 use crate::plan::outcome::{Outcome, Shape};
 use crate::plan::stage::{Makes, Stage};
 use crate::plan::watch::Watch;
 use crate::product::Product;
 use crate::shape::edges::cpu as edges;
+
+/// A frame as a run has it.
+pub(crate) enum RunFrame<'f> {
+    /// Others read it too, and all that is made of it stays.
+    Shared(&'f Frame),
+    /// The run alone reads it. Of a picture or a drawing the outcome lacks the shape, whose products are recycled after their
+    /// last reader, and the frame what no later stage reads.
+    Own(&'f mut Frame),
+}
+
+impl RunFrame<'_> {
+    pub(crate) fn get(&self) -> &Frame {
+        match self {
+            Self::Shared(frame) => frame,
+            Self::Own(frame) => frame,
+        }
+    }
+
+    /// The same, for a run within this one.
+    pub(crate) fn again(&mut self) -> RunFrame<'_> {
+        match self {
+            Self::Shared(frame) => RunFrame::Shared(frame),
+            Self::Own(frame) => RunFrame::Own(frame),
+        }
+    }
+}
+
+/// What stages of a plan are run with, but for their frame.
+pub(crate) struct Passage<'a> {
+    pub(crate) runner: &'a Runner,
+    pub(crate) plan: &'a Plan,
+    pub(crate) inputs: RunInputs<'a>,
+    pub(crate) memory: Memory,
+    pub(crate) watch: Watch<'a>,
+    /// The cache of the frame.
+    pub(crate) kept: Option<&'a mut FrameCache>,
+    /// The frame that this one is a part of, if it is.
+    pub(crate) whole: Option<&'a Frame>,
+    /// What earlier stages made.
+    pub(crate) made: Interim,
+}
+
+impl<'a> Passage<'a> {
+    pub(crate) fn new(
+        runner: &'a Runner,
+        plan: &'a Plan,
+        inputs: RunInputs<'a>,
+        watch: Watch<'a>,
+    ) -> Self {
+        Self {
+            runner,
+            plan,
+            inputs,
+            memory: runner.memory.for_run(watch.token()),
+            watch,
+            kept: None,
+            whole: None,
+            made: Interim::default(),
+        }
+    }
+
+    /// Runs stages one after another, in the caller's rayon pool.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), checked before and after each of them: the output of a cancelled
+    /// stage is undefined.
+    pub(crate) fn go(mut self, mut frame: RunFrame, stages: &[&'static Stage]) -> Result<Interim> {
+        for i in 0..stages.len() {
+            self.watch.check()?;
+            let (normals, lengths, read_last) = match &mut frame {
+                RunFrame::Own(frame) => self.free(frame, stages, i),
+                RunFrame::Shared(_) => Default::default(),
+            };
+            let new = Execution::new(self.runner, self.plan, frame.get(), self.inputs);
+            let mut run = Execution {
+                memory: &self.memory,
+                watch: self.watch,
+                kept: self.kept.as_deref_mut(),
+                whole: self.whole,
+                normals,
+                lengths,
+                read_last,
+                ..new.after(self.made)
+            };
+            (stages[i].cpu)(&mut run);
+            self.made = run.into_interim();
+        }
+        self.watch.check()?;
+        if let RunFrame::Own(_) = frame {
+            self.memory
+                .recycle(self.made.outcome.shape.take_others(&[]));
+        }
+        Ok(self.made)
+    }
+
+    /// Recycles what neither stage `i` nor a later one reads. The normals and lengths that this one reads last, and products
+    /// of the shape.
+    fn free(
+        &mut self,
+        frame: &mut Frame,
+        stages: &[&'static Stage],
+        i: usize,
+    ) -> (Option<Vector3Planes>, Option<Plane>, Vec<Product>) {
+        let (plan, memory) = (self.plan, &self.memory);
+        let (stage, now, later) = (stages[i], &stages[i..], &stages[i + 1..]);
+        let lines = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
+        let finds_shadows = lines.is_some_and(|lines| lines.has_shadows());
+        if plan.relighting().is_none() && !finds_shadows {
+            let albedo = frame.albedo.take().into_iter();
+            memory.recycle(albedo.flat_map(|ColorPlanes { r, g, b }| [r, g, b]));
+        }
+        // A drawing takes its tone from the picture that was made, and most of its planes have other sizes.
+        let draws = |stage: &Stage| stage.makes == Makes::Drawing;
+        let begins_to_draw = draws(stage) && !stages[..i].last().is_some_and(|last| draws(last));
+        if begins_to_draw && self.made.outcome.color.is_some() && !finds_shadows {
+            (frame.color, frame.albedo) = (None, None);
+            memory.release();
+        }
+        let of_shape = &mut self.made.outcome.shape;
+        memory.recycle(of_shape.take_others(&taken_by(now, plan)));
+        let read_later = taken_by(later, plan);
+        let mut products = (stage.takes)(plan);
+        products.retain(|product| !read_later.contains(product));
+        // Its lengths, unless rays meet the surface later.
+        let is_last = stage.reads_lengths && plan.specular.is_none();
+        let lengths = frame.normal_length.take_if(|_| is_last);
+        let normals = take_unread(plan, frame, stage, later, memory);
+        (normals, lengths, products)
+    }
+}
 
 impl Runner {
     /// Runs `plan` on `frame`, in the caller's rayon pool.
@@ -27,89 +157,41 @@ impl Runner {
     /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
     #[cfg(any(test, feature = "cli"))]
     pub(crate) fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
-        self.execute_watched(plan, frame, inputs, Watch::default(), None)
+        self.execute_watched(
+            plan,
+            RunFrame::Shared(frame),
+            inputs,
+            Watch::default(),
+            None,
+        )
     }
 
-    /// [`Runner::execute`] with observers and the cache of the frame.
+    /// [`Runner::execute`] with observers and the cache of the frame; the same bits, whosever the frame is.
     ///
     /// # Errors
     /// As [`Runner::execute`]; [`Error::Cancelled`](crate::Error::Cancelled).
     pub(crate) fn execute_watched(
         &self,
         plan: &Plan,
-        frame: &Frame,
+        frame: RunFrame,
         inputs: Inputs,
         watch: Watch,
         kept: Option<&mut FrameCache>,
     ) -> Result<Outcome> {
-        inputs.check(plan, frame)?;
-        let memory = &self.memory.for_run(watch.token());
-        let mut run = Execution {
-            memory,
-            watch,
-            kept,
-            ..Execution::new(self, plan, frame, inputs.given())
+        inputs.check(plan, frame.get())?;
+        let frame = match frame {
+            RunFrame::Own(frame) if plan.makes_shape_alone() => RunFrame::Shared(frame),
+            RunFrame::Own(frame) => match changed_part(plan, frame) {
+                Some(changed) => return self.execute_on_part(plan, frame, changed, inputs, watch),
+                None => RunFrame::Own(frame),
+            },
+            shared => shared,
         };
-        run.go_through(plan.stages.iter().copied())?;
-        Ok(run.outcome)
-    }
-
-    /// [`Runner::execute_watched`], bit for bit, in less memory. For a picture or a drawing the outcome lacks the shape,
-    /// whose products are recycled after their last reader, and the frame what no later stage reads.
-    ///
-    /// # Errors
-    /// As [`Runner::execute_watched`].
-    pub(crate) fn execute_sparingly(
-        &self,
-        plan: &Plan,
-        frame: &mut Frame,
-        inputs: Inputs,
-        watch: Watch,
-    ) -> Result<Outcome> {
-        if plan.makes_shape_alone() {
-            return self.execute_watched(plan, frame, inputs, watch, None);
-        }
-        inputs.check(plan, frame)?;
-        if let Some(changed) = changed_part(plan, frame) {
-            return self.execute_on_part(plan, frame, changed, inputs, watch);
-        }
-        let memory = &self.memory.for_run(watch.token());
-        let lines = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
-        let finds_shadows = lines.is_some_and(|lines| lines.has_shadows());
-        if plan.relighting().is_none() && !finds_shadows {
-            let albedo = frame.albedo.take().into_iter();
-            memory.recycle(albedo.flat_map(|ColorPlanes { r, g, b }| [r, g, b]));
-        }
-        let mut interim = Interim::default();
-        for (i, &stage) in plan.stages.iter().enumerate() {
-            let (now, later) = (&plan.stages[i..], &plan.stages[i + 1..]);
-            // A drawing takes its tone from the picture that was made, and most of its planes have other sizes.
-            let begins_to_draw = stage.makes == Makes::Drawing
-                && (i == 0 || plan.stages[i - 1].makes != Makes::Drawing);
-            if begins_to_draw && interim.outcome.color.is_some() && !finds_shadows {
-                (frame.color, frame.albedo) = (None, None);
-                memory.release();
-            }
-            let of_shape = &mut interim.outcome.shape;
-            memory.recycle(of_shape.take_others(&taken_by(now, plan)));
-            let normals = take_unread(plan, frame, stage, later, memory);
-            let lengths = lengths_for(stage, plan, frame);
-            let mut run = Execution {
-                memory,
-                watch,
-                normals,
-                lengths,
-                ..Execution::new(self, plan, frame, inputs.given()).after(interim)
-            };
-            let read_later = taken_by(later, plan);
-            run.read_last = (stage.takes)(plan);
-            run.read_last
-                .retain(|product| !read_later.contains(product));
-            run.go_through([stage])?;
-            interim = run.into_interim();
-        }
-        memory.recycle(interim.outcome.shape.take_others(&[]));
-        Ok(interim.outcome)
+        let passage = Passage {
+            kept,
+            ..Passage::new(self, plan, inputs.given(), watch)
+        };
+        Ok(passage.go(frame, &plan.stages)?.outcome)
     }
 
     /// The picture, made where `changed` and copied elsewhere, and what was chosen for it; no picture if nothing changes.
@@ -130,15 +212,17 @@ impl Runner {
             });
         }
         let part = FramePart::around(changed, plan, whole, inputs)?;
-        let mut run = Execution {
-            memory: &self.memory.for_run(watch.token()).at_other_size(),
-            watch,
+        let passage = Passage::new(self, plan, part.inputs(inputs).given(), watch);
+        let passage = Passage {
+            memory: passage.memory.at_other_size(),
             whole: Some(whole),
-            ..Execution::new(self, plan, &part.frame, part.inputs(inputs).given())
+            ..passage
         };
-        run.go_through(plan.stages.iter().copied())?;
-        let mut outcome = run.outcome;
-        outcome.shape = Shape::default();
+        let made = passage.go(RunFrame::Shared(&part.frame), &plan.stages)?;
+        let mut outcome = Outcome {
+            shape: Shape::default(),
+            ..made.outcome
+        };
         let [at, of_whole] = [part.frame.data_window, whole.data_window];
         outcome.color = outcome
             .color
@@ -241,12 +325,6 @@ pub(crate) fn taken_by(stages: &[&Stage], plan: &Plan) -> Vec<Product> {
     stages.flat_map(|stage| (stage.takes)(plan)).collect()
 }
 
-/// The lengths of the normals, where `stage` reads them: the only one that does, unless rays meet the surface later.
-pub(crate) fn lengths_for(stage: &Stage, plan: &Plan, frame: &mut Frame) -> Option<Plane> {
-    let is_last = stage.reads_lengths && plan.specular.is_none();
-    frame.normal_length.take_if(|_| is_last)
-}
-
 /// Recycles what neither `stage` nor a later one reads of a frame. Its normals are handed on where `stage` makes its results
 /// in their memory, and no later one reads them.
 fn take_unread(
@@ -273,24 +351,6 @@ fn take_unread(
     }
     memory.recycle([normals.x, normals.y, normals.z]);
     None
-}
-
-impl Execution<'_> {
-    /// Runs stages, one after another.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled), checked before and after each of them: the output of a cancelled
-    /// stage is undefined.
-    pub(crate) fn go_through(
-        &mut self,
-        stages: impl IntoIterator<Item = &'static Stage>,
-    ) -> Result<()> {
-        for stage in stages {
-            self.watch.check()?;
-            (stage.cpu)(self);
-        }
-        self.watch.check()
-    }
 }
 
 #[cfg(test)]
@@ -335,11 +395,16 @@ mod tests {
         }
     }
 
+    /// Runs a plan on a frame that nobody else reads.
+    fn alone(runner: &Runner, plan: &Plan, frame: &mut Frame, inputs: Inputs) -> Result<Outcome> {
+        runner.execute_watched(plan, RunFrame::Own(frame), inputs, Watch::default(), None)
+    }
+
     /// Runs a plan both ways; the frame that is left, and the outcome.
     fn assert_sparing(plan: &Plan, inputs: Inputs) -> (Frame, Outcome) {
         let (runner, mut frame) = (Runner::default(), bumps());
         let whole = runner.execute(plan, &frame, inputs).unwrap();
-        let made = runner.execute_sparingly(plan, &mut frame, inputs, Watch::default());
+        let made = alone(&runner, plan, &mut frame, inputs);
         let made = made.unwrap();
         let chosen = |o: &Outcome| (o.gain, o.white_level, o.tone_levels, o.line_levels);
         assert_eq!(chosen(&made), chosen(&whole));
@@ -390,7 +455,7 @@ mod tests {
         let whole = runner.execute(&plan, &frame, inputs).unwrap();
         assert!(changed_part(&plan, &frame).is_some());
         let own = frame.color.clone().unwrap().r;
-        let made = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+        let made = alone(&runner, &plan, &mut frame, inputs);
         let made = made.unwrap();
         assert_eq!(
             (made.gain, made.takes_picture),
@@ -403,7 +468,7 @@ mod tests {
         }
         assert_ne!(made.at(10, 10), own.at(10, 10));
         frame.strength = Some(Plane::filled(width, height, 0.0));
-        let idle = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+        let idle = alone(&runner, &plan, &mut frame, inputs);
         assert_eq!(idle.unwrap().color.unwrap().r, own);
     }
 
@@ -422,7 +487,7 @@ mod tests {
         let whole = runner.execute(&plan, &frame, Inputs::default()).unwrap();
         assert!(changed_part(&plan, &frame).is_some());
         let part = |frame: &mut Frame| {
-            let run = runner.execute_sparingly(&plan, frame, Inputs::default(), Watch::default());
+            let run = alone(&runner, &plan, frame, Inputs::default());
             run.unwrap()
         };
         let made = part(&mut frame);

@@ -1,15 +1,13 @@
 //! Radiance scaling of the light layers of a frame: all terms of a row in turn, rows in parallel.
 
 use crate::frame::memory::Memory;
-use crate::frame::percentile::percentile;
 use crate::frame::rows::ROWS_PER_TASK;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes, parallel_rows};
+use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, parallel_rows};
 use crate::kernel::simd::wide;
 use crate::light::layers;
 use crate::light::layers::terms::LightTerm;
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
-use crate::params::{Adaptive, ScalingParams};
-use crate::shape::auto_levels::WHITE_PERCENT;
+use crate::params::ScalingParams;
 use rayon::prelude::*;
 
 /// The curvature used for scaling.
@@ -22,13 +20,13 @@ pub(crate) struct Curvature<'a> {
 }
 
 /// Rows in place of absent layers.
-pub(super) struct Absent {
+pub(crate) struct Absent {
     zeros: Vec<f32>,
     ones: Vec<f32>,
 }
 
 impl Absent {
-    pub(super) fn new(width: usize) -> Self {
+    pub(crate) fn new(width: usize) -> Self {
         Self {
             zeros: vec![0.0; width],
             ones: vec![1.0; width],
@@ -51,7 +49,7 @@ impl LightTerm<'_> {
     }
 
     /// The luminance of this light at a pixel; `None` where there is none.
-    pub(super) fn lit<'b>(
+    pub(crate) fn lit<'b>(
         &'b self,
         weights: [f32; 3],
         absent: &'b Absent,
@@ -61,26 +59,6 @@ impl LightTerm<'_> {
             (luminance > 0.0).then_some(luminance)
         }
     }
-
-    /// A high percentile of this light's luminance; 1 without light.
-    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent) -> f32 {
-        percentile(mask, WHITE_PERCENT, self.lit(weights, absent)).unwrap_or(1.0)
-    }
-}
-
-/// The white levels of all terms, by name.
-pub(crate) fn white_levels(
-    terms: &[LightTerm],
-    frame: &Frame,
-    params: &ScalingParams,
-) -> Vec<(&'static str, f32)> {
-    let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
-    let level =
-        |term: &LightTerm| match (params.term_white_levels.of(term.name), params.white_level) {
-            (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
-            (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent),
-        };
-    terms.iter().map(|term| (term.name, level(term))).collect()
 }
 
 /// The picture with its lobes scaled separately.

@@ -11,7 +11,6 @@ pub(crate) mod cpu;
 mod levels;
 pub(crate) mod stage;
 pub(crate) mod terms;
-pub(crate) mod white_search;
 
 use super::radiance_scaling::{limited, scaling};
 use crate::params::Magnitude;

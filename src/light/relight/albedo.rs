@@ -4,31 +4,14 @@
 use crate::frame::ColorPlanes;
 #[cfg(feature = "gpu")]
 use crate::frame::memory::Memory;
-use crate::frame::percentile::percentile;
 #[cfg(feature = "gpu")]
 use crate::frame::rows::map_covered;
 use crate::frame::{Frame, Vector3Planes, luminance};
-use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
-use crate::shape::auto_levels::cpu as statistics;
+#[cfg(feature = "gpu")]
+use crate::light::albedo::AlbedoEstimate;
+use crate::light::albedo::{FittedShading, ShadingFit};
+use crate::plan::search::ChosenFrom;
 use rayon::prelude::*;
-use std::ops::Range;
-
-/// Luminance that the albedo's white level is mapped to: that of paper.
-pub(super) const BRIGHT: f32 = 0.8;
-
-/// The estimate: the picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than
-/// paper. White where the picture is black.
-pub(crate) fn estimate(frame: &Frame, normal: &Vector3Planes, weights: [f32; 3]) -> AlbedoEstimate {
-    let mask = &frame.mask;
-    let rows = 0..mask.height();
-    let shading = fitted(ShadingFit::default(), frame, normal, weights, rows).solved();
-    let bright = luminance_over(shading, frame, normal, weights);
-    let white = percentile(mask, statistics::WHITE_PERCENT, bright);
-    AlbedoEstimate {
-        shading,
-        factor: BRIGHT / statistics::white_of(white),
-    }
-}
 
 /// The albedo of every pixel, for devices.
 #[cfg(feature = "gpu")]
@@ -60,20 +43,17 @@ fn vector(planes: &Vector3Planes, x: usize, y: usize) -> [f32; 3] {
     [planes.x.at(x, y), planes.y.at(x, y), planes.z.at(x, y)]
 }
 
-/// `fit` with the pixels of some rows added.
-pub(super) fn fitted(
-    fit: ShadingFit,
-    frame: &Frame,
-    normal: &Vector3Planes,
-    weights: [f32; 3],
-    rows: Range<usize>,
-) -> ShadingFit {
-    let (mask, bare) = (&frame.mask, bare(frame));
-    let rows = rows.into_par_iter().map(|y| {
+/// `fit` with pixels added, whose normals these are.
+pub(super) fn fitted(fit: ShadingFit, from: &ChosenFrom, normal: &Vector3Planes) -> ShadingFit {
+    let (mask, bare) = (&from.mask, bare(from.frame));
+    let weights = from.frame.luminance_weights();
+    let rows = from.strip.rows.clone().into_par_iter().map(|y| {
         let mut fit = ShadingFit::default();
         let covered = mask.row(y);
         for x in mask.span(y).filter(|&x| covered[x]) {
-            fit.add(vector(normal, x, y), luminance(bare(x, y), weights));
+            if let Some([x, y]) = from.place(x, y) {
+                fit.add(vector(normal, x, y), luminance(bare(x, y), weights));
+            }
         }
         fit
     });
@@ -87,9 +67,8 @@ pub(super) fn luminance_over(
     shading: Option<FittedShading>,
     frame: &Frame,
     normal: &Vector3Planes,
-    weights: [f32; 3],
 ) -> impl Fn(usize, usize) -> Option<f32> + Sync {
-    let bare = bare(frame);
+    let (bare, weights) = (bare(frame), frame.luminance_weights());
     move |x, y| {
         let albedo = match shading {
             Some(shading) => shading.under(vector(normal, x, y), bare(x, y)),

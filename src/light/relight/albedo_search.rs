@@ -1,58 +1,82 @@
-//! The estimate of the albedo, found a strip at a time.
+//! The estimate of the albedo, from all pixels of a picture.
 
-use super::albedo::{BRIGHT, fitted, luminance_over};
-use crate::frame::percentile::Sample;
-use crate::frame::{Extent, Frame};
-use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
-use crate::shape::auto_levels::cpu as statistics;
-use std::ops::Range;
+use super::albedo::{fitted, luminance_over};
+#[cfg(any(feature = "cli", feature = "gpu"))]
+use crate::frame::Extent;
+use crate::frame::percentile::{Looks, Sample};
+use crate::frame::{Frame, Vector3Planes};
+use crate::light::albedo::{AlbedoEstimate, ShadingFit};
+use crate::plan::execution::Execution;
+use crate::plan::search::{ChosenFrom, Search, Settle};
+use crate::shape::auto_levels::WHITE_PERCENT;
+use crate::shape::auto_levels::cpu::white_of;
 
-/// A search for the estimate in a picture that comes some rows at a time, from top to bottom: once for the shading, and
-/// as often as a [`Sample`] is looked at for the white level over it.
-#[derive(Debug, Clone)]
+/// Luminance that the albedo's white level is mapped to: that of paper.
+const BRIGHT: f32 = 0.8;
+
+/// A search for the estimate: the picture divided by its best-fitting shading, scaled so that all but a few pixels are
+/// darker than paper. White where the picture is black.
+#[derive(Default)]
 pub(crate) struct AlbedoSearch {
     fit: ShadingFit,
-    /// The fitted shading, and the light over it, for the white level.
-    white: Option<(Option<FittedShading>, Sample<f32>)>,
+    /// The light over the fitted shading, for the white level.
+    white: Sample<f32>,
 }
 
 impl AlbedoSearch {
-    pub(crate) fn new() -> Self {
-        Self {
-            fit: ShadingFit::default(),
-            white: None,
+    fn fit(&mut self, from: &ChosenFrom, normal: &Vector3Planes) {
+        self.fit = fitted(self.fit, from, normal);
+    }
+
+    fn add(&mut self, from: &ChosenFrom, normal: &Vector3Planes) {
+        let bright = luminance_over(self.fit.solved(), from.frame, normal);
+        from.add_to(&mut self.white, bright);
+    }
+
+    /// The estimate, after the last look.
+    pub(super) fn estimate(self) -> AlbedoEstimate {
+        AlbedoEstimate {
+            shading: self.fit.solved(),
+            factor: BRIGHT / white_of(self.white.percentile(WHITE_PERCENT)),
         }
     }
+}
 
-    /// Takes in the rows `rows` of a strip whose first row is row `top` of the picture.
-    pub(crate) fn add(&mut self, strip: &Frame, weights: [f32; 3], rows: Range<usize>, top: usize) {
-        match &mut self.white {
-            None => self.fit = fitted(self.fit, strip, &strip.normal, weights, rows),
-            Some((shading, search)) => {
-                let bright = luminance_over(*shading, strip, &strip.normal, weights);
-                search.add(&strip.mask, rows, top, bright);
-            }
-        }
+impl Search for AlbedoSearch {
+    fn survey(&mut self, run: &Execution) {
+        let from = run.chosen_from();
+        self.fit(&from, normals(run, from.frame));
     }
 
-    /// Solves for the shading, and begins to search the white level, in a picture with this extent.
-    pub(crate) fn begin_white(&mut self, extent: &Extent) {
-        let mut search = Sample::default();
-        search.begin(extent);
-        self.white = Some((self.fit.solved(), search));
+    fn look(&mut self, run: &mut Execution) {
+        let from = run.chosen_from();
+        self.add(&from, normals(run, from.frame));
     }
 
-    /// The sample for the white level.
-    pub(crate) fn white_search(&mut self) -> Option<&mut Sample<f32>> {
-        self.white.as_mut().map(|(_, search)| search)
+    fn samples(&mut self) -> Vec<&mut dyn Looks> {
+        vec![&mut self.white]
     }
 
-    /// The estimate, at the end.
-    pub(crate) fn found(self) -> Option<AlbedoEstimate> {
-        let (shading, search) = self.white?;
-        Some(AlbedoEstimate {
-            shading,
-            factor: BRIGHT / statistics::white_of(search.percentile(statistics::WHITE_PERCENT)),
-        })
+    fn found(self: Box<Self>) -> Settle {
+        let estimate = self.estimate();
+        Box::new(move |plan| plan.set_estimate(estimate))
     }
+}
+
+/// The normals of a frame, which the run may have been handed.
+fn normals<'a>(run: &'a Execution, frame: &'a Frame) -> &'a Vector3Planes {
+    run.normals.as_ref().unwrap_or(&frame.normal)
+}
+
+/// The estimate of the pixels of a frame.
+#[cfg(any(feature = "cli", feature = "gpu"))]
+pub(crate) fn estimated(from: &ChosenFrom) -> AlbedoEstimate {
+    let (mut search, normal) = (AlbedoSearch::default(), &from.frame.normal);
+    search.fit(from, normal);
+    search.white.begin(&Extent::of(&from.mask));
+    while search.white.is_open() {
+        search.add(from, normal);
+        search.white.end_look();
+    }
+    search.estimate()
 }

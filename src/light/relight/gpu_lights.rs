@@ -14,6 +14,7 @@ use crate::light::prepared_environment::{
     EnvironmentCache, Illuminants, PreparedEnvironment, Used,
 };
 use crate::light::relight::albedo;
+use crate::light::relight::albedo_search::estimated;
 use crate::light::relight::setting::{Albedo, Relighting};
 use crate::plan::Plan;
 use crate::plan::watch::Watch;
@@ -94,8 +95,7 @@ impl LightCache {
         watch.check()?;
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
             timed(&mut timings, "albedo-estimate", || {
-                let own = plan.own_part(frame);
-                let found = albedo::estimate(&own, &own.normal, weights);
+                let found = estimated(&plan.chosen_from(frame));
                 albedo::by_estimate(frame, &found, memory)
             })
         });

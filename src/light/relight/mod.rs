@@ -28,6 +28,7 @@ use crate::light::alignment::SIGMAS_PX;
 use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::light::prepared_environment::Illuminants;
+use crate::light::relight::albedo_search::AlbedoSearch;
 use crate::light::relight::batch::{Batch, RowShape};
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
 use crate::light::relight::grain::without_grain;
@@ -66,22 +67,16 @@ pub(crate) fn relight(run: &mut Execution) {
     run.outcome.takes_picture = relighting.takes_picture();
     run.outcome.casts_shadows = relighting.casting.choices();
     run.outcome.light_choice = around.choice();
-    let normals = run.normals.take();
-    let normal = normals.as_ref().unwrap_or(&frame.normal);
-    let chosen_from = run.chosen_from();
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-        let estimate = || match (relighting.estimate, chosen_from()) {
-            (Some(found), _) => found,
-            // Normals may have been handed on.
-            (None, Cow::Borrowed(own)) if std::ptr::eq(own, frame) => {
-                albedo::estimate(frame, normal, weights)
-            }
-            (None, own) => albedo::estimate(&own, &own.normal, weights),
-        };
         run.copied_or("albedo", Some(""), |run| {
-            run.timed("albedo-estimate", estimate)
+            run.timed_on("albedo-estimate", |run| match relighting.estimate {
+                Some(found) => found,
+                None => run.searched(AlbedoSearch::default()).estimate(),
+            })
         })
     });
+    let normals = run.normals.take();
+    let normal = normals.as_ref().unwrap_or(&frame.normal);
     let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
     let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
     let lit_mask = specular_mask.as_ref().unwrap_or(&frame.mask);

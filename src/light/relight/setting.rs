@@ -218,10 +218,10 @@ impl Plan {
     }
 
     /// Takes the albedo by the fit of a whole picture.
-    pub(crate) fn set_estimate(&mut self, estimate: Option<AlbedoEstimate>) {
+    pub(crate) fn set_estimate(&mut self, estimate: AlbedoEstimate) {
         if let Some(&relighting) = self.relighting() {
             self.settings.put(Relighting {
-                estimate,
+                estimate: Some(estimate),
                 ..relighting
             });
         }

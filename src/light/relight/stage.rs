@@ -2,6 +2,7 @@
 
 use crate::light::alignment::SIGMAS_PX;
 use crate::light::intensity::White;
+use crate::light::relight::albedo_search::AlbedoSearch;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
 use crate::light::relight::{grain, raking, relight};
 use crate::light::shadows::casting::Casting;
@@ -35,6 +36,11 @@ pub(crate) static RELIGHT: Stage = Stage {
         // All around a tile is known from the tile, which is blurred as a whole, with its borders joined.
         Some(relighting) if plan.tile.is_none() => RIM_REACH + reach(plan, relighting),
         _ => RIM_REACH,
+    },
+    chooses: |plan| {
+        let lit = plan.relighting();
+        let is_open = lit.is_some_and(|lit| lit.albedo == Albedo::Estimate);
+        is_open.then(|| Box::new(AlbedoSearch::default()) as _)
     },
     reads_depth: |plan| {
         let relighting = plan.relighting();

@@ -85,7 +85,8 @@ impl Occluders<'_> {
 mod tests {
     use super::*;
     use crate::frame::{Mask, Plane, Vector3Planes};
-    use crate::line::contours::network::{End, straight};
+    use crate::line::contours::network::End;
+    use crate::line::contours::network::lines::straight;
     use glam::DVec3;
 
     /// A frame with a strip from column 40 to 52 at this depth before, or behind, a wall at 10.

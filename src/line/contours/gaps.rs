@@ -131,7 +131,7 @@ fn facing(tips: &[Tip], reach: f32, faces: impl Fn(&Tip, &Tip) -> bool) -> Vec<[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::contours::network::straight as line;
+    use crate::line::contours::network::lines::straight as line;
 
     #[test]
     fn ends_that_face_each_other_meet_and_others_do_not() {

@@ -177,7 +177,7 @@ fn share_to_crossing([from, to]: [Vec2; 2], piece: [Vec2; 2]) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::contours::network::straight;
+    use crate::line::contours::network::lines::straight;
 
     #[test]
     fn a_line_runs_straight_on_to_the_side_of_another() {

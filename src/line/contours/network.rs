@@ -477,20 +477,24 @@ impl Line {
     }
 }
 
-/// A straight line of one spot per pixel, open at both ends.
 #[cfg(test)]
-pub(super) fn straight(from: Vec2, to: Vec2, part: usize) -> Line {
-    let count = from.distance(to) as usize;
-    let spot = |i: usize| Spot {
-        at: from.lerp(to, i as f32 / count as f32),
-        strength: 1.0,
-        log_depth: 0.0,
-        is_beside: false,
-    };
-    Line {
-        spots: (0..=count).map(spot).collect(),
-        closed: false,
-        ends: [End::Free; 2],
-        part,
+pub(super) mod lines {
+    use super::*;
+
+    /// A straight line of one spot per pixel, open at both ends.
+    pub(in crate::line) fn straight(from: Vec2, to: Vec2, part: usize) -> Line {
+        let count = from.distance(to) as usize;
+        let spot = |i: usize| Spot {
+            at: from.lerp(to, i as f32 / count as f32),
+            strength: 1.0,
+            log_depth: 0.0,
+            is_beside: false,
+        };
+        Line {
+            spots: (0..=count).map(spot).collect(),
+            closed: false,
+            ends: [End::Free; 2],
+            part,
+        }
     }
 }

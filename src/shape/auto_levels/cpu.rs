@@ -1,9 +1,8 @@
-//! Automatic choices from the whole frame: the gain of the curvature mapping and the white level.
+//! What automatic choices count: curvature by its weight, and luminance.
 
-use crate::frame::percentile::{percentile, sample};
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window, luminance};
+use crate::frame::percentile::percentile;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, luminance};
 pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
-use crate::shape::auto_levels::{flat_curvature, gain_of};
 
 /// Curvature, and how much each pixel counts for the gain.
 pub(crate) struct Counted<'a> {
@@ -32,34 +31,6 @@ impl<'a> Counted<'a> {
     }
 }
 
-/// The gain for curvature in `part`, counted from the corner of the planes; `mask` is that of the part. What lies outside
-/// the planes counts nothing.
-///
-/// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
-pub(crate) fn curvature_gain(
-    counted: &Counted,
-    (mask, part): (&Mask, Window),
-    factor: f32,
-    most: f32,
-) -> f32 {
-    let flat = flat_curvature([part.width(), part.height()], factor);
-    let (width, height) = (counted.trace.width(), counted.trace.height());
-    let [dx, dy] = [part.x0, part.y0].map(|first| first as isize);
-    let within = |y: &usize| y.checked_add_signed(dy).is_some_and(|y| y < height);
-    let mut rows = (0..mask.height()).filter(within);
-    let first = rows.next().unwrap_or(0);
-    let rows = first
-        ..rows
-            .next_back()
-            .map_or(first + 1, |last| last + 1)
-            .min(mask.height());
-    let curved = sample(mask, rows, |x, y| {
-        let x = x.checked_add_signed(dx).filter(|&x| x < width)?;
-        counted.at(flat, [x, y.checked_add_signed(dy)?])
-    });
-    gain_of(&curved.values(), most)
-}
-
 /// A high percentile of the luminance of the covered pixels; 1 if all are black.
 pub(crate) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -> f32 {
     white_of(percentile(mask, WHITE_PERCENT, |x, y| {
@@ -84,6 +55,10 @@ pub(crate) fn white_of(percentile: Option<f32>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::percentile::Looks;
+    use crate::frame::{Extent, Vector3Planes};
+    use crate::plan::search::ChosenFrom;
+    use crate::shape::auto_levels::gain_search::GainSearch;
     use crate::shape::auto_levels::most_gain;
 
     /// The gain of a whole picture without edges.
@@ -93,13 +68,20 @@ mod tests {
 
     fn weighted(trace: &Plane, weight: Option<&Plane>, factor: f32, most: f32) -> f32 {
         let (width, height) = (trace.width(), trace.height());
-        let whole = (&Mask::full(width, height), Window::from_size(width, height));
+        let normal = Vector3Planes::from_fn(width, height, |_, _| glam::DVec3::Z);
+        let frame = Frame::of_normals(normal, Mask::full(width, height));
         let counted = Counted {
             trace,
             conductance: &Plane::filled(width, height, 1.0),
             weights: [weight, None],
         };
-        curvature_gain(&counted, whole, factor, most)
+        let mut search = GainSearch::new(factor, most);
+        search.sample.begin(&Extent::of(&frame.mask));
+        while search.sample.is_open() {
+            search.add(&ChosenFrom::whole(&frame), &counted);
+            search.sample.end_look();
+        }
+        search.gain()
     }
 
     /// A hero 40 pixels square whose curvature is .04 and .08 in turn, upper left in a picture with a flat wall.

@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
-use crate::shape::auto_levels::cpu::{self, Counted};
+use crate::shape::auto_levels::gain_search::GainSearch;
 use crate::shape::auto_levels::most_gain;
 use crate::shape::curvature::stage::trace_of_gradient;
 
@@ -13,15 +13,10 @@ use crate::shape::curvature::stage::trace_of_gradient;
 pub(crate) static AUTO_GAIN: Stage = Stage {
     // A given gain is recorded.
     also_runs: Plan::wants_curvature,
-    takes: |plan| match plan.wants(Product::Hessian) {
-        // Relighting makes no Hessian as a plane: the gain is chosen from a trace of the gradient.
-        true => vec![
-            Product::Hessian,
-            Product::Trace,
-            Product::Gradient,
-            Product::Conductance,
-        ],
-        false => vec![Product::Trace, Product::Conductance],
+    takes: gain_takes,
+    chooses: |plan| match plan.chooses_gain() {
+        true => Some(Box::new(search(plan))),
+        false => None,
     },
     reads_normals: false,
     name: "auto-gain",
@@ -74,39 +69,34 @@ fn choose_gain(run: &mut Execution) {
 /// The gain from the trace, however that is computed.
 fn gain_of_frame(run: &mut Execution) -> f32 {
     let plan = run.plan;
+    make_trace(run);
+    // The bits of a trace depend on the source it is computed from.
+    let made_of = (run.trace.is_some(), plan.relighting().is_some());
+    let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
+    run.copied_or(AUTO_GAIN.name, Some(&key), |run| {
+        run.timed_on(AUTO_GAIN.name, |run| run.searched(search(plan)).gain())
+    })
+}
+
+fn search(plan: &Plan) -> GainSearch {
+    GainSearch::new(plan.resolution_factor as f32, plan.most_gain())
+}
+
+/// Makes the trace where it is no product: of the curvatures, or, where rows alone have them, of the gradient.
+pub(super) fn make_trace(run: &mut Execution) {
     let shape = &run.outcome.shape;
     match (&shape.curvatures, &shape.trace) {
-        (Some(curvatures), _) => run.trace = Some(curvatures.trace()),
+        (Some(curvatures), _) if run.trace.is_none() => run.trace = Some(curvatures.trace()),
         (None, None) => trace_of_gradient(run),
-        (None, Some(_)) => {}
+        _ => {}
     }
-    let (shape, own) = (std::mem::take(&mut run.outcome.shape), run.trace.take());
-    let trace = own.as_ref().or(shape.trace.as_ref());
-    let trace = trace.expect("the gain takes the trace");
-    let conductance = shape
-        .conductance
-        .as_ref()
-        .expect("the trace takes the conductance");
-    // The bits of a trace depend on the source it is computed from.
-    let made_of = (own.is_some(), plan.relighting().is_some());
-    let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
-    let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
-    let (frame, whole) = (run.frame, run.whole.unwrap_or(run.frame));
-    let choose = || {
-        let counted = Counted::of(frame, [trace, conductance]);
-        let part = plan.tile.map_or(whole.data_window, |tile| tile.window);
-        let of_tile = plan.tile.map(|_| frame.mask.crop(frame.data_window, part));
-        let mask = of_tile.as_ref().unwrap_or(&whole.mask);
-        cpu::curvature_gain(
-            &counted,
-            (mask, part.relative_to(frame.data_window)),
-            factor,
-            most,
-        )
-    };
-    let gain = run.copied_or(AUTO_GAIN.name, Some(&key), |run| {
-        run.timed(AUTO_GAIN.name, choose)
-    });
-    (run.outcome.shape, run.trace) = (shape, own);
-    gain
+}
+
+/// Products that the gain is chosen from. Relighting makes no Hessian as a plane: of that, a trace of the gradient.
+pub(super) fn gain_takes(plan: &Plan) -> Vec<Product> {
+    let mut takes = vec![Product::Trace, Product::Conductance];
+    if plan.wants(Product::Hessian) {
+        takes.extend([Product::Hessian, Product::Gradient]);
+    }
+    takes
 }
