@@ -46,6 +46,9 @@ pub(crate) struct Stage {
     /// Records it on a device; without, the CPU runs it when its turn comes.
     #[cfg(feature = "gpu")]
     pub(crate) gpu: Option<fn(&mut Recording)>,
+    /// Where a device has its products once all stages are recorded.
+    #[cfg(feature = "gpu")]
+    pub(crate) gpu_planes: &'static [DevicePlanes],
     /// What follows once all that the device has recorded is read back; of a stage that records nothing, in place of its CPU
     /// pass.
     #[cfg(feature = "gpu")]
@@ -81,6 +84,8 @@ impl Stage {
         #[cfg(feature = "gpu")]
         gpu: None,
         #[cfg(feature = "gpu")]
+        gpu_planes: &[],
+        #[cfg(feature = "gpu")]
         after_gpu: None,
         #[cfg(feature = "gpu")]
         gpu_lacks: |_| None,
@@ -91,6 +96,10 @@ impl Stage {
         self.steps.iter().flat_map(|step| step.gives).copied()
     }
 }
+
+/// Planes that hold products, by their names; with fewer planes than the products have, each pixel has several numbers.
+#[cfg(feature = "gpu")]
+pub(crate) type DevicePlanes = (&'static [Product], &'static [&'static str]);
 
 /// What a stage is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

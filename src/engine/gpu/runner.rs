@@ -23,10 +23,10 @@ use crate::plan::Plan;
 use crate::plan::execution::Execution;
 use crate::plan::outcome::Outcome;
 use crate::plan::recording::{PICTURE, Recording};
-use crate::plan::stage::Stage;
+use crate::plan::stage::{DevicePlanes, Stage};
 use crate::plan::watch::Watch;
 use crate::product::Product;
-use crate::shape::curvature::gpu::HESSIAN_PLANES as HESSIAN;
+use crate::shape::curvature::gpu::DESCRIBED;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -244,22 +244,6 @@ impl Runner {
     }
 }
 
-/// Planes that hold products, by their names; with fewer planes than the products have, each pixel has several numbers.
-type Layer = (&'static [Product], &'static [&'static str]);
-
-/// The layers of the descriptor.
-const LAYERS: [Layer; 6] = [
-    (&[Product::Conductance], &["conductance"]),
-    (&[Product::Silhouette, Product::Crease], &["weights"]),
-    (&[Product::Gradient], &["gradient"]),
-    (&[Product::Hessian], &HESSIAN),
-    (&CURVATURES, &["curvature"]),
-    (&[Product::ViewDirection], &["direction"]),
-];
-
-/// The products in a plane of curvature, in order.
-const CURVATURES: [Product; 2] = [Product::Curvature, Product::MappedCurvature];
-
 /// The layers to read back from the device: those requested, and those that stages take on the CPU.
 fn layers_read(run: &Recording) -> Vec<(&'static [Product], Vec<wgpu::Buffer>)> {
     let plan = run.plan;
@@ -267,15 +251,16 @@ fn layers_read(run: &Recording) -> Vec<(&'static [Product], Vec<wgpu::Buffer>)> 
     let on_cpu = stages.filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
     let taken = taken_by(&on_cpu.collect::<Vec<_>>(), plan);
     let is_read = |product: &Product| plan.wants(Product::Curvature) || taken.contains(product);
-    let layers = LAYERS.into_iter().filter(|(products, names)| {
+    let made = plan.stages.iter().flat_map(|stage| stage.gpu_planes);
+    let layers = made.copied().filter(|(products, names)| {
         products.iter().any(is_read) && names.iter().all(|name| run.has(name))
     });
-    let layer = |(products, names): Layer| {
+    let layer = |(products, names): DevicePlanes| {
         let planes = names.iter().map(|name| run.plane(name));
         (products, planes.collect())
     };
     let further = run.more_curvatures.iter();
-    let further = further.map(|plane| (&CURVATURES[..], vec![plane.clone()]));
+    let further = further.map(|plane| (DESCRIBED, vec![plane.clone()]));
     layers.map(layer).chain(further).collect()
 }
 

@@ -29,6 +29,9 @@ uniforms! {
     }
 }
 
+/// The products in a plane of curvature, in order.
+pub(crate) const DESCRIBED: &[Product] = &[Product::Curvature, Product::MappedCurvature];
+
 /// The planes of the Hessian's entries.
 pub(crate) const HESSIAN_PLANES: [&str; 3] = ["hessian_xx", "hessian_xy", "hessian_yy"];
 

@@ -51,6 +51,8 @@ pub(crate) static CURVATURE: Stage = Stage {
     // What derives from the Hessian is made with the mapped curvature.
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::find_hessian),
+    #[cfg(feature = "gpu")]
+    gpu_planes: &[(&[Product::Hessian], &super::gpu::HESSIAN_PLANES)],
     ..Stage::DEFAULT
 };
 
@@ -74,6 +76,11 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
     cpu: map_curvature,
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::describe),
+    #[cfg(feature = "gpu")]
+    gpu_planes: &[
+        (super::gpu::DESCRIBED, &["curvature"]),
+        (&[Product::ViewDirection], &["direction"]),
+    ],
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| maps_trace(plan).then_some("mapped curvature alone"),
     ..Stage::DEFAULT

@@ -57,6 +57,12 @@ pub(crate) static EDGES: Stage = Stage {
     cpu: find_edges,
     #[cfg(feature = "gpu")]
     gpu: Some(super::gpu::find_edges),
+    #[cfg(feature = "gpu")]
+    gpu_planes: &[
+        (&[Product::Conductance], &["conductance"]),
+        (&[Product::Silhouette, Product::Crease], &["weights"]),
+        (&[Product::Gradient], &["gradient"]),
+    ],
     ..Stage::DEFAULT
 };
 
