@@ -7,7 +7,7 @@
 
 mod common;
 
-use relievo::io::environment::read_environment;
+use relievo::io::read_environment;
 use relievo::light::lights::Illumination;
 use relievo::params::{Method, RelightParams, Samples, ScalingParams, WarpingParams};
 use std::error::Error;

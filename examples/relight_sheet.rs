@@ -8,7 +8,7 @@ use common::{grid, light_from, load, over_backdrop, relit};
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use relievo::frame::{ColorPlanes, Frame, Plane};
-use relievo::io::environment::{read_environment, read_lit_sphere};
+use relievo::io::{read_environment, read_lit_sphere};
 use relievo::light::lights::Illumination;
 use relievo::params::{Material, MaterialParams, Method, RelightParams, ScalingParams};
 use std::error::Error;

@@ -1,9 +1,9 @@
 //! Tolerances between backends, for tests and the report: the reasons for the numbers in the table of products.
 
 use crate::frame::Plane;
-use crate::light::brdf::lobe_error;
 use crate::light::lights::Illumination;
 use crate::light::relight::setting::EnvironmentUse;
+use crate::light::sum::lobes::lobe_error;
 use crate::plan::Plan;
 use crate::product::{Compared, Product};
 use glam::DVec2;

@@ -28,7 +28,7 @@ pub use inputs::Needs;
 pub(crate) use judge::borders::wrapped;
 pub use judge::normal_space;
 pub use load::art_map::read_art_map;
-pub use load::environment;
+pub(crate) use load::environment;
 pub use load::environment::{read_environment, read_environment_as, read_lit_sphere};
 #[cfg(feature = "cli")]
 pub(crate) use load::footprint::{

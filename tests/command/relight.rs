@@ -2,8 +2,8 @@
 
 use crate::common::program::{Ran, fixture, relievo, run};
 use relievo::frame::Plane;
-use relievo::io::environment::read_environment;
 use relievo::io::photo::Photo;
+use relievo::io::read_environment;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 

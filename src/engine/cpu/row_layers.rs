@@ -153,11 +153,11 @@ mod tests {
                 shape,
                 scaling,
             );
-            let (plan, runner, mut frame) = (plan.unwrap(), Runner::default(), scene.clone());
+            let (plan, runner, frame) = (plan.unwrap(), Runner::default(), scene.clone());
             let (inputs, watch) = (Inputs::default(), Watch::default());
             let whole = runner.execute(&plan, &frame, inputs).unwrap();
             let layers = runner
-                .execute_for_rows(&plan, &mut frame, inputs, watch)
+                .execute_for_rows(&plan, &frame, inputs, watch)
                 .unwrap();
             assert!(layers.outcome.shape.hessian.is_none() && !layers.rest.is_empty());
             assert_eq!(whole.shape.more_scales.len(), 1);

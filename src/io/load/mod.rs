@@ -4,7 +4,7 @@ pub(super) mod art_map;
 pub(super) mod bundle;
 pub(super) mod cryptomatte;
 pub(super) mod depth_sense;
-pub mod environment;
+pub(crate) mod environment;
 #[cfg(feature = "cli")]
 pub(super) mod footprint;
 pub(super) mod frame_sources;

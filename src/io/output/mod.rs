@@ -76,7 +76,7 @@ pub fn write_atomically(
 ///
 /// # Errors
 /// As for [`write_atomically`].
-pub fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
+pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
     write_atomically(path, replace, |w| {
         w.write_all(text.as_bytes())
             .map_err(Error::io(path, "write"))

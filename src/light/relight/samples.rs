@@ -8,10 +8,10 @@
 //! error of the few samples used here; and what is far brighter than the mean is left to lights, see [`super::pilot`].
 
 use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors};
-use crate::light::brdf::Lobes;
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp};
 use crate::light::octahedral::OctahedralMaps;
+use crate::light::sum::lobes::Lobes;
 use crate::light::sum::terms::SHORTEST;
 use crate::light::sum::{LightSum, Shading};
 use crate::light::texels::Texel;

@@ -4,7 +4,6 @@
 use crate::frame::{Gloss, luminance};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes, Term};
-use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
@@ -15,6 +14,7 @@ use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lo
 use crate::light::relight::scene::{Aligned, Scene};
 use crate::light::relight::setting::Albedo;
 use crate::light::shadows::cast::Shadowed;
+use crate::light::sum::lobes::Lobes;
 use crate::light::sum::{Directed, Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::{Magnitude, Tangent};

@@ -4,12 +4,11 @@
 //! A half vector enters divided by its z, which saves multiplications by z; the light's colour makes up for its length.
 
 use super::exponent::Exponent;
-use super::shading::Shading;
+use super::lobes::{Lobes, Shading};
 use super::terms::{HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe};
 use super::{GROUP, Sums};
 use crate::kernel::lanes::multiply_add;
 use crate::light::batch::{BATCH, Pixels};
-use crate::light::brdf::Lobes;
 use crate::light::cosines::{positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, half_vector};
 use crate::light::lights::DirectionalLight;

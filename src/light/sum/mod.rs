@@ -12,11 +12,13 @@
 
 mod directed;
 pub(crate) mod exponent;
-mod shading;
+pub(crate) mod lobes;
+mod scaled;
 pub(crate) mod terms;
 
 pub(crate) use directed::Directed;
-pub(crate) use shading::{Scaled, Shading, TowardLight};
+pub(crate) use lobes::Shading;
+pub(crate) use scaled::{Scaled, TowardLight};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;

@@ -1,13 +1,11 @@
 //! The terms of one light at every pixel of a batch: arrival, reflection by the lobes, scaling.
 
-use super::exponent::Exponent;
-use super::shading::{Scaled, Shading, TowardLight};
+use super::scaled::{Scaled, TowardLight};
 use crate::kernel::fast_math::exp_to_normal;
 use crate::kernel::lanes::multiply_add;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{
-    AshikhminShirley, Lobes, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, passed,
-    share_seen,
+    AshikhminShirley, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, share_seen,
 };
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::MOST_BRIGHTENED;
@@ -30,17 +28,17 @@ pub(super) struct Terms {
 #[repr(align(64))]
 pub(super) struct Scratch {
     /// Jacobian (without the pixel's factor) and attenuation; 0 if the light is below the surface.
-    weight: Lanes,
+    pub(super) weight: Lanes,
     /// n . l, undefined where the weight is 0.
-    cosine: Lanes,
+    pub(super) cosine: Lanes,
     /// One over |g|^2.
-    inverse: Lanes,
+    pub(super) inverse: Lanes,
     /// The intensity of the glossy lobe, 0..1.
-    lobe: Lanes,
+    pub(super) lobe: Lanes,
     /// Dot products of l with other vectors.
-    products: [Lanes; 3],
+    pub(super) products: [Lanes; 3],
     /// Scaling curves for this light, if they depend on its direction.
-    curves: [CurveLanes; 2],
+    pub(super) curves: [CurveLanes; 2],
 }
 
 /// A light by lane: its direction, its half vector with z, its attenuation; and whether it is known to be above the
@@ -219,83 +217,9 @@ impl Scratch {
         curves: [CurveLanes::FLAT; 2],
     };
 
-    /// Computes the diffuse and specular terms of a light.
-    #[inline(always)]
-    pub(super) fn reflect<D, H, S>(
-        &mut self,
-        terms: &mut Terms,
-        pixels: &Pixels,
-        shading: &Shading,
-        light: Arriving<D, H, S>,
-    ) where
-        D: Fn(usize) -> [f32; 3] + Copy,
-        H: Fn(usize) -> [f32; 3] + Copy,
-        S: Fn(usize) -> f32 + Copy,
-    {
-        let Arriving {
-            direction, half, ..
-        } = light;
-        let unwarped = shading.warped.then_some(half);
-        let far = matches!(shading.lobes, Lobes::BlinnPhong { far: true, .. });
-        match (shading.warped, far) {
-            (false, _) => self.arrive(pixels, light),
-            (true, _) => self.arrive_unwarped(pixels, light),
-        }
-        if far && !shading.warped {
-            self.half_vector_lobe(pixels, half);
-        }
-        if let Some(toward) = shading.scaled.and_then(|scaled| scaled.toward_light) {
-            self.curve_toward(pixels, toward, unwarped, direction);
-        }
-        match shading.lobes {
-            Lobes::Diffuse { power } => {
-                if power != Exponent::Integer(1) {
-                    power.raise(&mut self.cosine);
-                }
-                self.scale_cosine(&mut terms.diffuse, pixels, shading);
-            }
-            Lobes::Phong { power } => {
-                self.product(&pixels.mirrored, unwarped, direction, 0);
-                for i in 0..BATCH {
-                    self.lobe[i] = at_most_1(positive(self.products[0][i]));
-                }
-                power.raise(&mut self.lobe);
-                self.scale_cosine(&mut terms.diffuse, pixels, shading);
-                self.scale_lobe(&mut terms.specular, pixels, shading, |_, weight| weight);
-            }
-            Lobes::BlinnPhong { power, far } => {
-                if !far {
-                    self.half_way(pixels, unwarped, direction);
-                }
-                power.raise(&mut self.lobe);
-                self.scale_cosine(&mut terms.diffuse, pixels, shading);
-                let weigh = |cosine, weight| weight * cosine;
-                self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
-            }
-            Lobes::Base => {
-                self.scale_cosine(&mut terms.diffuse, pixels, shading);
-                for i in 0..BATCH {
-                    let passed = passed(positive(self.cosine[i]));
-                    terms.diffuse[i] *= pixels.coat.base[i] * passed;
-                }
-            }
-            Lobes::AshikhminShirley(brdf) => {
-                let axes = [&pixels.to_eye, &pixels.along, &pixels.across];
-                for (k, axis) in axes.into_iter().enumerate() {
-                    self.product(axis, unwarped, direction, k);
-                }
-                self.coat(terms, pixels, shading, &brdf);
-            }
-            Lobes::Mirror => {
-                self.half_way(pixels, unwarped, direction);
-                self.mirror(terms, pixels, shading);
-            }
-        }
-    }
-
     /// Weights and cosines of a light as given, without warping.
     #[inline(always)]
-    fn arrive<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    pub(super) fn arrive<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
     where
         D: Fn(usize) -> [f32; 3],
         S: Fn(usize) -> f32,
@@ -309,7 +233,7 @@ impl Scratch {
 
     /// Sets the lobe to the square of n . h, for an eye on the axis.
     #[inline(always)]
-    fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
+    pub(super) fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
         for i in 0..BATCH {
             self.lobe[i] = half_vector_lobe(pixels.normal.at(i), half(i));
         }
@@ -317,7 +241,7 @@ impl Scratch {
 
     /// [`Scratch::arrive`] with light directions unwarped, and their Jacobian; with the lobe for an eye on the axis.
     #[inline(always)]
-    fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    pub(super) fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
     where
         D: Fn(usize) -> [f32; 3],
         H: Fn(usize) -> [f32; 3],
@@ -339,7 +263,7 @@ impl Scratch {
 
     /// Dot products with the vectors of `axis`, as product `k`.
     #[inline(always)]
-    fn product(
+    pub(super) fn product(
         &mut self,
         axis: &Axis,
         unwarped: Option<impl Fn(usize) -> [f32; 3]>,
@@ -365,7 +289,7 @@ impl Scratch {
 
     /// Sets the lobe to the square of n . h, with h half-way between light and an eye off the axis.
     #[inline(always)]
-    fn half_way(
+    pub(super) fn half_way(
         &mut self,
         pixels: &Pixels,
         unwarped: Option<impl Fn(usize) -> [f32; 3] + Copy>,
@@ -382,7 +306,7 @@ impl Scratch {
 
     /// Scaling curves for the light's direction.
     #[inline(always)]
-    fn curve_toward(
+    pub(super) fn curve_toward(
         &mut self,
         pixels: &Pixels,
         toward: TowardLight,
@@ -415,9 +339,14 @@ impl Scratch {
 
     /// The diffuse term: the cosine lobe, scaled by its own intensity.
     #[inline(always)]
-    fn scale_cosine(&self, diffuse: &mut Lanes, pixels: &Pixels, shading: &Shading) {
+    pub(super) fn scale_cosine(
+        &self,
+        diffuse: &mut Lanes,
+        pixels: &Pixels,
+        scaled: Option<Scaled>,
+    ) {
         let Self { weight, cosine, .. } = self;
-        match shading.scaled {
+        match scaled {
             None => {
                 for i in 0..BATCH {
                     diffuse[i] = weight[i] * cosine[i];
@@ -435,11 +364,11 @@ impl Scratch {
 
     /// The specular term: `weigh(cosine, weight)` times the lobe, scaled by the lobe's intensity.
     #[inline(always)]
-    fn scale_lobe(
+    pub(super) fn scale_lobe(
         &self,
         specular: &mut Lanes,
         pixels: &Pixels,
-        shading: &Shading,
+        scaled: Option<Scaled>,
         weigh: impl Fn(f32, f32) -> f32,
     ) {
         let Self {
@@ -448,7 +377,7 @@ impl Scratch {
             lobe,
             ..
         } = self;
-        match shading.scaled {
+        match scaled {
             None => {
                 for i in 0..BATCH {
                     specular[i] = weigh(cosine[i], weight[i]) * lobe[i];
@@ -466,7 +395,7 @@ impl Scratch {
 
     /// Mirrored light from l . e and the square of n . h: that of the reflectance and that of grazing, scaled alike.
     #[inline(always)]
-    fn mirror(&mut self, terms: &mut Terms, pixels: &Pixels, shading: &Shading) {
+    pub(super) fn mirror(&mut self, terms: &mut Terms, pixels: &Pixels, scaled: Option<Scaled>) {
         for i in 0..BATCH {
             let (nl, ne) = (
                 positive(self.cosine[i]),
@@ -480,7 +409,7 @@ impl Scratch {
             terms.specular[i] = light * grazing;
             self.lobe[i] = at_most_1(MIRROR_PEAK * facets);
         }
-        if let Some(scaled) = shading.scaled {
+        if let Some(scaled) = scaled {
             let curves = scaled.curves(pixels, &self.curves, 1);
             for i in 0..BATCH {
                 let sigma = curves.at(i).at(self.lobe[i], scaled.invariant_point);
@@ -494,11 +423,11 @@ impl Scratch {
     ///
     /// In steps, of which each is short enough that several vectors of lanes are under way at a time.
     #[inline(always)]
-    fn coat(
+    pub(super) fn coat(
         &mut self,
         terms: &mut Terms,
         pixels: &Pixels,
-        shading: &Shading,
+        scaled: Option<Scaled>,
         brdf: &AshikhminShirley,
     ) {
         let [nu, nv] = brdf.coat;
@@ -515,7 +444,7 @@ impl Scratch {
         for (specular, logarithm) in terms.specular.iter_mut().zip(&*logarithms) {
             *specular *= exp_to_normal(*logarithm);
         }
-        if let Some(scaled) = shading.scaled {
+        if let Some(scaled) = scaled {
             for square in &mut self.lobe {
                 *square = positive(*square).sqrt();
             }

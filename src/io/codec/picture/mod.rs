@@ -65,7 +65,7 @@ pub fn write_picture(
 ///
 /// # Panics
 /// If planes differ in size, `bits` is none of 1, 8 and 16, or it is 1 of a picture in colour or with alpha.
-pub fn write_picture_as(
+pub(crate) fn write_picture_as(
     w: &mut (impl Write + Seek),
     target: &Path,
     format: PictureFormat,

@@ -1,28 +1,6 @@
-//! How the lights of a run act: lobes, warping and scaling.
+//! Radiance scaling of the lights of a run.
 
-use crate::light::brdf::Lobes;
 use crate::params::Magnitude;
-
-/// Shading by lights, shared by all batches of a run.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shading {
-    /// Whether directions are warped.
-    pub warped: bool,
-    /// Radiance scaling, if any.
-    pub scaled: Option<Scaled>,
-    /// The lobes.
-    pub lobes: Lobes,
-}
-
-impl Shading {
-    /// The same by the diffuse lobe alone.
-    pub(crate) fn diffuse(self) -> Self {
-        Self {
-            lobes: self.lobes.diffuse(),
-            ..self
-        }
-    }
-}
 
 /// Radiance scaling inside the sum.
 #[derive(Debug, Clone, Copy)]
