@@ -24,6 +24,8 @@ pub struct Request<'a> {
     pub params: Params,
     /// How specular pixels are traced, where the inputs have the scene that they show.
     pub specular: Option<SpecularParams>,
+    /// Whether an enhanced picture is scaled by the occlusion of the shape, in place of a layer.
+    pub computes_occlusion: bool,
     /// The inputs beside the frame.
     pub inputs: Inputs<'a>,
 }
@@ -35,6 +37,7 @@ impl<'a> Request<'a> {
             goal: Some(goal),
             params,
             specular: None,
+            computes_occlusion: false,
             inputs: Inputs::default(),
         }
     }
@@ -174,6 +177,10 @@ impl<'a> Request<'a> {
             moving: there.moving || self.inputs.sequence.is_some(),
             in_sequence: there.in_sequence || self.inputs.sequence.is_some(),
             new_light: light.unwrap_or(there.new_light),
+            light: match self.computes_occlusion {
+                true => there.light.with_computed_occlusion(),
+                false => there.light,
+            },
             ..there
         }
     }

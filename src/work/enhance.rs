@@ -73,13 +73,11 @@ impl FrameWork for EnhanceArgs {
     }
 
     fn plans(&self, seen: &mut FrameSeen) -> Result<Vec<Plan>> {
-        let request = Request::enhance(self.work.flags.params);
-        let available = Available {
-            light: self.light_available(&seen.frame.light),
-            ..Available::in_frame(seen.frame)
+        let request = Request {
+            computes_occlusion: self.work.roles.computes_occlusion(),
+            ..Request::enhance(self.work.flags.params)
         };
-        let plan = request.plan(available)?;
-        Ok(vec![plan])
+        Ok(vec![request.plan(Available::in_frame(seen.frame))?])
     }
 
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {

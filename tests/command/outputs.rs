@@ -6,7 +6,7 @@ use crate::common::exr::channel;
 use crate::common::program::{Ran, fixture, names, program, relievo};
 use relievo::engine::{Engine, Request, Run};
 use relievo::io::exr::ExrFile;
-use relievo::io::inputs::Inputs;
+use relievo::io::inputs::{Inputs, NONE};
 use relievo::io::photo::Photo;
 use relievo::io::{Needs, load};
 use relievo::light::lights::Illumination;
@@ -341,6 +341,11 @@ fn a_request_saves_what_the_program_writes() {
         ("enhance", "half.png", "mix=.5 exposure=1 lobes=off"),
         ("enhance", "agx.jpg", "view-transform=agx lobes=off"),
         ("enhance", "strong.exr", "scaling=2 lobes=off"),
+        (
+            "enhance",
+            "sky.png",
+            "occlusion=computed scaling-ambient=1 lobes=off",
+        ),
         ("relight", "lamp.png", "albedo-from=white"),
         ("relight", "lit.exr", "albedo-from=white method=scale"),
         ("hatch", "page.svg", "style=engraving page=A4"),
@@ -355,9 +360,11 @@ fn a_request_saves_what_the_program_writes() {
         ("shape", "layers.exr", "scale=4"),
     ] {
         let mut params = Params::default();
+        let computes_occlusion = settings.contains("occlusion=computed");
         let mut words = format!("{command} {} -o {file} --layers results", bust.display());
         for (name, value) in settings.split(' ').filter_map(|one| one.split_once('=')) {
-            assert!(params.set(name, value).unwrap(), "{name}");
+            let is_set = name == "occlusion" || params.set(name, value).unwrap();
+            assert!(is_set, "{name}");
             words += &format!(" --{name} {value}");
         }
         if file.ends_with("exr") && matches!(command, "enhance" | "relight") {
@@ -366,6 +373,7 @@ fn a_request_saves_what_the_program_writes() {
         relievo(here, &words).ended(0);
         let inputs = Inputs {
             picture: bust.clone(),
+            occlusion: computes_occlusion.then(|| NONE.into()),
             ..Inputs::default()
         };
         let needs = Needs {
@@ -381,7 +389,10 @@ fn a_request_saves_what_the_program_writes() {
         let frame = load(&inputs, needs).unwrap().frame;
         let light = Illumination::default();
         let request = match command {
-            "enhance" => Request::enhance(params),
+            "enhance" => Request {
+                computes_occlusion,
+                ..Request::enhance(params)
+            },
             "relight" => Request::relight(params, &light),
             "hatch" => Request::hatch(params),
             _ if file.ends_with("png") => Request::display(params),
