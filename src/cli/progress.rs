@@ -187,14 +187,16 @@ fn part_bar(args: &RunArgs, template: &str, total: usize) -> ProgressBar {
     if !is_shown {
         return ProgressBar::hidden();
     }
+    styled(template, total)
+}
+
+fn styled(template: &str, total: usize) -> ProgressBar {
     let style = ProgressStyle::with_template(template).expect("the template is well formed");
     ProgressBar::new(total as u64).with_style(style)
 }
 
 fn bar(total: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {per_sec}, {eta} left");
-    let style = style.expect("the template is well formed");
-    let bar = ProgressBar::new(total as u64).with_style(style);
+    let bar = styled("{bar:40} {pos}/{len} frames, {per_sec}, {eta} left", total);
     // The tick needs a thread, and the system may have none left.
     if std::thread::Builder::new().spawn(|| ()).is_ok() {
         bar.enable_steady_tick(Duration::from_millis(250));

@@ -1,7 +1,7 @@
 //! Inputs of a plan beside the frame, and the check that both fit the plan.
 
 use crate::error::{Error, Result};
-use crate::frame::{Frame, SpecularScene};
+use crate::frame::{Frame, Plane, SpecularScene};
 use crate::kernel::shelf::Lent;
 use crate::light::lights::{Illumination, LightKinds};
 use crate::light::relight::setting::{EnvironmentUse, Relighting};
@@ -102,34 +102,24 @@ impl<'a> Inputs<'a> {
         let motion = self.sequence.and_then(|sequence| sequence.motion);
         let mask = self.specular.and_then(|scene| scene.mask.as_ref());
         let position = self.specular.and_then(|scene| scene.hit_position.as_ref());
+        let size = |plane: &Plane| [plane.width(), plane.height()];
         let sizes = [
-            (
-                "motion",
-                motion.map(|motion| [motion.x.width(), motion.x.height()]),
-            ),
+            ("motion", motion.map(|motion| size(&motion.x))),
+            ("the ends of sight lines", position.map(|at| size(&at.x))),
             (
                 "the mask of specular pixels",
                 mask.map(|mask| [mask.width(), mask.height()]),
             ),
-            (
-                "the ends of sight lines",
-                position.map(|position| [position.x.width(), position.x.height()]),
-            ),
         ];
-        let own = [frame.mask.width(), frame.mask.height()];
+        let [width, height] = [frame.mask.width(), frame.mask.height()];
         for (name, size) in sizes {
-            match size {
-                Some(size) if size != own => {
-                    let [width, height] = own;
-                    return Err(Error::Unfit {
-                        found: format!(
-                            "{name} is {}x{}, for {width}x{height} pixels",
-                            size[0], size[1]
-                        ),
-                        remedy: "give inputs of one size",
-                    });
-                }
-                _ => {}
+            if let Some([own_width, own_height]) = size.filter(|size| *size != [width, height]) {
+                return Err(Error::Unfit {
+                    found: format!(
+                        "{name} is {own_width}x{own_height}, for {width}x{height} pixels"
+                    ),
+                    remedy: "give inputs of one size",
+                });
             }
         }
         Ok(())

@@ -89,7 +89,8 @@ impl<'a> StripSearch<'a> {
                 top,
                 whole: [self.whole.width(), self.whole.height()],
             }),
-            ..Execution::new(runner, plan, strip, inputs).after(made)
+            made,
+            ..Execution::new(runner, plan, strip, inputs)
         };
         for search in open {
             match self.is_surveyed {
@@ -97,7 +98,7 @@ impl<'a> StripSearch<'a> {
                 false => search.survey(&run),
             }
         }
-        runner.recycle(run.outcome);
+        runner.recycle(run.made.outcome);
         Ok(())
     }
 

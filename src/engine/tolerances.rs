@@ -1,13 +1,8 @@
-//! Tolerances between backends, for tests and the report: the reasons for the numbers in the table of products.
+//! Tolerances between backends: the reasons for the numbers in the table of products.
 
 use crate::frame::Plane;
-use crate::light::lights::Illumination;
-use crate::light::relight::setting::EnvironmentUse;
-use crate::light::sum::lobes::lobe_error;
-use crate::plan::Plan;
 use crate::product::{Compared, Product};
 use glam::DVec2;
-use std::f64::consts::PI;
 
 impl Product {
     /// The difference of its planes from the CPU's: the largest one relative to the largest value, or the mean for ink
@@ -43,48 +38,6 @@ impl Product {
     /// them, and up to 16 pixels take the direction of one: 1e-5 again.
     pub fn tolerance(self) -> f64 {
         self.row().tolerance
-    }
-}
-
-/// Error of a dot product of unit vectors: two roundings of each half, on either side.
-const COSINE_ERROR: f64 = 1.0 / (1 << 22) as f64;
-
-/// Error of an angle, in radians: that of the arc tangent plus that of its direction.
-const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
-
-impl Plan {
-    /// The largest difference between backends of a relit picture, relative to its largest value; `None` if the plan
-    /// relights nothing.
-    ///
-    /// That of [`Product::Picture`], except for light that amplifies rounding. A lobe with exponent p multiplies the
-    /// error of its cosine by p at its peak; one with an exponent below 1 raises, next to the terminator, the rounding
-    /// error itself to that power. A picture is sampled a fraction of a pixel off, which counts where neighbours
-    /// differ. The step between two tones is 1.5 over its softness times as steep as its input; a hard step may move a
-    /// pixel to the next tone.
-    pub fn relit_tolerance(&self, light: &Illumination) -> Option<f64> {
-        let relighting = self.relighting()?;
-        let params = &relighting.params;
-        let lobe = lobe_error(&params.material, COSINE_ERROR);
-        let seen = match &light.environment {
-            Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
-                let [width, height] = [map.width(), map.height()].map(|n| n as f64);
-                (width / 2.0 + height) * ANGLE_ERROR / PI
-            }
-            _ => 0.0,
-        };
-        let spheres = light.lit_spheres.iter();
-        let painted =
-            spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
-        let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
-            .into_iter()
-            .fold(Product::Picture.tolerance(), f64::max);
-        Some(match params.tones() {
-            Some(tones) if tones.softness > 0.0 => {
-                smooth * (1.5 / f64::from(tones.softness)).max(1.0)
-            }
-            Some(_) => 1.0,
-            None => smooth,
-        })
     }
 }
 

@@ -55,7 +55,7 @@ impl LitSphere {
     }
 
     /// Columns and rows of its picture.
-    pub(crate) fn size(&self) -> [usize; 2] {
+    pub fn size(&self) -> [usize; 2] {
         [self.texels.width(), self.texels.height()]
     }
 

@@ -84,7 +84,7 @@ fn choose_picture_white(run: &mut Execution) {
             })
         }),
     };
-    run.outcome.white_level = Some(white);
+    run.made.outcome.white_level = Some(white);
 }
 
 fn choose_term_whites(run: &mut Execution) {
@@ -112,5 +112,5 @@ fn choose_term_whites(run: &mut Execution) {
         let level = scaling.term_white_levels.of(name).or(given).or(found);
         (name, level.unwrap_or(1.0))
     };
-    run.outcome.term_white_levels = terms.iter().map(|term| level(term.name)).collect();
+    run.made.outcome.term_white_levels = terms.iter().map(|term| level(term.name)).collect();
 }

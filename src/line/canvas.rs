@@ -35,12 +35,12 @@ impl<'a> Execution<'a> {
     /// The drawing so far.
     pub(crate) fn canvas(&self) -> &Canvas {
         static BLANK: LazyLock<Canvas> = LazyLock::new(Canvas::default);
-        self.handed_on.get().unwrap_or(&BLANK)
+        self.made.handed_on.get().unwrap_or(&BLANK)
     }
 
     /// The drawing so far, to be drawn on.
     pub(crate) fn canvas_mut(&mut self) -> &mut Canvas {
-        self.handed_on.get_mut()
+        self.made.handed_on.get_mut()
     }
 
     /// The texture of strokes that is given, if one is.

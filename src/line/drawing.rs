@@ -47,7 +47,7 @@ pub(crate) struct Drawn<'a> {
 impl<'a> Drawn<'a> {
     /// The surface of a run as it is seen, also in mirrors and lenses.
     pub(crate) fn of(run: &'a Execution) -> Self {
-        let shape = &run.outcome.shape;
+        let shape = &run.made.outcome.shape;
         match &run.canvas().seen {
             Some((seen, edges)) => Self {
                 frame: &seen.frame,
@@ -107,7 +107,7 @@ impl Tone {
         let params = plan.drawing.as_ref().expect("a tone is of a drawing");
         let mut tone = Self {
             density: run.canvas_mut().density.take(),
-            made: run.outcome.color.take(),
+            made: run.made.outcome.color.take(),
             white: 1.0,
         };
         tone.white = match params.tone.white_point {
@@ -155,9 +155,9 @@ pub(crate) fn finish(run: &mut Execution, tone: Tone, hatching: Plane, lines: Ve
     memory.recycle(directions.flat_map(|d| [d.x, d.y]));
     let (contours, contour_lines) = canvas.contours.unzip();
     let (interior, interior_lines) = canvas.interior.unzip();
-    run.outcome.color = tone.made;
+    run.made.outcome.color = tone.made;
     let asked = tone.density.filter(|_| plan.keeps_tone);
-    run.outcome.drawing = Some(Drawing {
+    run.made.outcome.drawing = Some(Drawing {
         hatching,
         lines,
         dots: Vec::new(),

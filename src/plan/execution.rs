@@ -49,30 +49,27 @@ pub(crate) struct Execution<'a> {
     pub(crate) watch: Watch<'a>,
     /// The cache of earlier runs of this frame, if there is one.
     pub(crate) kept: Option<&'a mut FrameCache>,
-    pub(crate) outcome: Outcome,
+    /// What the stages so far have made.
+    pub(crate) made: Interim,
     /// Products of the shape that nothing reads after this stage.
     pub(crate) read_last: Vec<Product>,
-    /// The gradient before diffusion.
-    pub(crate) undiffused: Option<Vector2Planes>,
-    /// The gradient at further scales.
-    pub(crate) more_gradients: Vec<Vector2Planes>,
     /// The normals, where the frame no longer has them: their memory is for what the only stage that reads them makes.
     pub(crate) normals: Option<Vector3Planes>,
     /// Their lengths, likewise.
     pub(crate) lengths: Option<Plane>,
-    /// The trace, where it is computed as the sum of curvatures that are themselves products.
-    pub(crate) trace: Option<Plane>,
-    /// What stages of one subject hand on.
-    pub(crate) handed_on: Shelf,
 }
 
-/// What the stages so far have made, between two of them.
+/// What the stages so far have made.
 #[derive(Default)]
 pub(crate) struct Interim {
     pub(crate) outcome: Outcome,
+    /// The gradient before diffusion.
     pub(crate) undiffused: Option<Vector2Planes>,
+    /// The gradient at further scales.
     pub(crate) more_gradients: Vec<Vector2Planes>,
+    /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
+    /// What stages of one subject hand on.
     pub(crate) handed_on: Shelf,
 }
 
@@ -93,37 +90,10 @@ impl<'a> Execution<'a> {
             memory: &runner.memory,
             watch: Watch::default(),
             kept: None,
-            outcome: Outcome::default(),
+            made: Interim::default(),
             read_last: Vec::new(),
-            undiffused: None,
-            more_gradients: Vec::new(),
             normals: None,
             lengths: None,
-            trace: None,
-            handed_on: Shelf::default(),
-        }
-    }
-
-    /// The same with what earlier stages have made.
-    pub(crate) fn after(self, interim: Interim) -> Self {
-        Self {
-            outcome: interim.outcome,
-            undiffused: interim.undiffused,
-            more_gradients: interim.more_gradients,
-            trace: interim.trace,
-            handed_on: interim.handed_on,
-            ..self
-        }
-    }
-
-    /// Ends it, or interrupts it before a stage.
-    pub(crate) fn into_interim(self) -> Interim {
-        Interim {
-            outcome: self.outcome,
-            undiffused: self.undiffused,
-            more_gradients: self.more_gradients,
-            trace: self.trace,
-            handed_on: self.handed_on,
         }
     }
 
@@ -137,12 +107,12 @@ impl<'a> Execution<'a> {
         name: &'static str,
         pass: impl FnOnce(&mut Self) -> T,
     ) -> T {
-        let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
+        let (passed, planned) = (self.made.outcome.timings.len(), self.plan.stages().len());
         self.watch
             .begins(name, passed as f32 / planned.max(1) as f32);
         let start = Instant::now();
         let result = pass(self);
-        self.outcome.timings.push((name, start.elapsed()));
+        self.made.outcome.timings.push((name, start.elapsed()));
         result
     }
 
@@ -153,7 +123,7 @@ impl<'a> Execution<'a> {
         };
         let has = kept.has(products, key);
         if has {
-            kept.take(products, &mut self.outcome.shape);
+            kept.take(products, &mut self.made.outcome.shape);
         }
         has
     }
@@ -188,6 +158,7 @@ impl<'a> Execution<'a> {
         match self.plan.scaling.curvature_gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => self
+                .made
                 .outcome
                 .gain
                 .expect("the gain is chosen before it is used"),

@@ -91,7 +91,7 @@ impl<'a> Recording<'a> {
 
     /// The gain of curvature; 0 in a plan without.
     pub(crate) fn gain(&self) -> f32 {
-        self.host.outcome.gain.unwrap_or(0.0)
+        self.host.made.outcome.gain.unwrap_or(0.0)
     }
 
     /// Whether there is a plane of this name.

@@ -101,10 +101,11 @@ impl<'a> Passage<'a> {
                 normals,
                 lengths,
                 read_last,
-                ..new.after(self.made)
+                made: self.made,
+                ..new
             };
             (stages[i].cpu)(&mut run);
-            self.made = run.into_interim();
+            self.made = run.made;
         }
         self.watch.check()?;
         if let RunFrame::Own(_) = frame {

@@ -233,12 +233,16 @@ impl Runner {
         if let Some(color) = copied {
             run.upload_picture(color);
         }
-        run.host.outcome.timings.push((UPLOAD, start.elapsed()));
+        run.host
+            .made
+            .outcome
+            .timings
+            .push((UPLOAD, start.elapsed()));
         run.record(&plan.stages)?;
         run.read_results(beside.light.is_some())?;
         run.go_on(&plan.stages)?;
         let (timings, host) = run.finish();
-        let mut outcome = host.outcome;
+        let mut outcome = host.made.outcome;
         add_timings(&mut outcome.timings, &timings);
         Ok(outcome)
     }
@@ -341,7 +345,7 @@ impl Recording<'_> {
 
         let start = Instant::now();
         let mut read = read.into_iter();
-        let outcome = &mut self.host.outcome;
+        let outcome = &mut self.host.made.outcome;
         if picture.is_some() {
             let mut planes = read.by_ref().map(|samples| plane(frame, samples));
             outcome.put(Product::Picture, &mut planes);

@@ -97,7 +97,7 @@ fn decide_occlusion(plan: &Plan) -> Verdict {
 fn scale_lobes(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let terms = light_terms(&frame.light.lobes, &plan.scaling);
-    let whites = run.outcome.term_white_levels.clone();
+    let whites = run.made.outcome.term_white_levels.clone();
     with_curvature(run, LIGHT_LOBES.name, |_, curvature| {
         cpu::scale_lobes(&terms, &whites, frame, &plan.scaling, curvature, memory)
     });
@@ -113,7 +113,7 @@ fn scale_groups(run: &mut Execution) {
 /// The intensity of ambient light is the share that arrives ([RS] section 5.3.1 and figure 8 b).
 fn scale_by_occlusion(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let sky = run.outcome.shape.sky.take();
+    let sky = run.made.outcome.shape.sky.take();
     let occlusion = frame.light.occlusion.as_ref().or(sky.as_ref());
     let occlusion = occlusion.expect("the plan has seen occlusion");
     let scaler = Scaler {
@@ -145,14 +145,14 @@ fn with_curvature(
     name: &'static str,
     pass: impl FnOnce(Option<ColorPlanes>, Curvature) -> ColorPlanes,
 ) {
-    let (made, gain) = (run.outcome.color.take(), run.gain());
-    let shape = std::mem::take(&mut run.outcome.shape);
+    let (made, gain) = (run.made.outcome.color.take(), run.gain());
+    let shape = std::mem::take(&mut run.made.outcome.shape);
     let curvature = Curvature {
         trace: shape.trace.as_ref().expect("scaling takes the trace"),
         hessian: shape.hessian.as_ref(),
         gain,
     };
     let color = run.timed(name, || pass(made, curvature));
-    run.outcome.color = Some(color);
-    run.outcome.shape = shape;
+    run.made.outcome.color = Some(color);
+    run.made.outcome.shape = shape;
 }

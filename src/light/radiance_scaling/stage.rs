@@ -55,7 +55,7 @@ fn scaler(run: &Execution) -> Scaler {
         true => params.magnitudes().ambient,
         false => params.magnitude(),
     };
-    let white = run.outcome.white_level;
+    let white = run.made.outcome.white_level;
     Scaler {
         magnitude,
         invariant_point: params.invariant_point,
@@ -71,11 +71,11 @@ fn scale(run: &mut Execution) {
         .color
         .as_ref()
         .expect("radiance scaling needs a picture");
-    let trace = run.outcome.shape.trace.take();
+    let trace = run.made.outcome.shape.trace.take();
     let trace = trace.expect("scaling takes the trace");
     let scaled = run.timed(RADIANCE_SCALING.name, || {
         scaler.scale(color, None, &trace, &frame.mask, memory)
     });
-    run.outcome.shape.trace = Some(trace);
-    run.outcome.color = Some(scaled);
+    run.made.outcome.shape.trace = Some(trace);
+    run.made.outcome.color = Some(scaled);
 }

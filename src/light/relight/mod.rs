@@ -63,10 +63,10 @@ pub(crate) fn relight(run: &mut Execution) {
     if memory.is_cancelled() {
         return;
     }
-    run.outcome.environment_gain = around.gain();
-    run.outcome.takes_picture = relighting.takes_picture();
-    run.outcome.casts_shadows = relighting.casting.choices();
-    run.outcome.light_choice = around.choice();
+    run.made.outcome.environment_gain = around.gain();
+    run.made.outcome.takes_picture = relighting.takes_picture();
+    run.made.outcome.casts_shadows = relighting.casting.choices();
+    run.made.outcome.light_choice = around.choice();
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
         run.copied_or("albedo", Some(""), |run| {
             run.timed_on("albedo-estimate", |run| match relighting.estimate {
@@ -85,7 +85,7 @@ pub(crate) fn relight(run: &mut Execution) {
             Mirrors::new((frame, lit_mask), scene, &params, (relighting, &around))
         })
     });
-    run.outcome.middle_light = mirrors
+    run.made.outcome.middle_light = mirrors
         .as_ref()
         .and_then(|mirrors| mirrors.intensity.middle());
     let shadows = cast(run, normal);
@@ -102,8 +102,8 @@ pub(crate) fn relight(run: &mut Execution) {
         strength: relighting.params.align,
         gain: 1.0,
     });
-    let shape = std::mem::take(&mut run.outcome.shape);
-    let gain = run.outcome.gain.unwrap_or(0.0);
+    let shape = std::mem::take(&mut run.made.outcome.shape);
+    let gain = run.made.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
     let shading = shading(plan, relighting, gain, eye.is_none());
     let mirror_shading = shading.filter(|_| relighting.gloss);
@@ -160,8 +160,8 @@ pub(crate) fn relight(run: &mut Execution) {
     }
     let color = run.timed("relight", || lit(&scene, normals, memory));
     drop(scene);
-    run.outcome.shape = shape;
-    run.outcome.color = Some(color);
+    run.made.outcome.shape = shape;
+    run.made.outcome.color = Some(color);
 }
 
 /// The source of curvature, if it is needed.

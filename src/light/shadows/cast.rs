@@ -39,7 +39,7 @@ pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<Shadow
     let relighting = run.plan.relighting()?;
     let (casting, params) = (&relighting.casting, &relighting.params);
     let illumination = run.illumination().filter(|_| casting.any())?;
-    let own = run.outcome.shape.height.take();
+    let own = run.made.outcome.shape.height.take();
     let shadows = run.timed("shadows", || {
         let surface = Surface::new(run.frame, run.plan, own.as_ref());
         let lamps = match casting.lamps.is_cast {
@@ -51,7 +51,7 @@ pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<Shadow
             ..lamps
         }
     });
-    run.outcome.shape.height = own;
+    run.made.outcome.shape.height = own;
     Some(shadows)
 }
 

@@ -181,17 +181,6 @@ impl Lobes {
     }
 }
 
-/// Largest error of a lobe of this material, with peak 1, for a given error of a cosine.
-pub(crate) fn lobe_error(params: &MaterialParams, cosine_error: f64) -> f64 {
-    let largest = |exponent: f32| f64::from(exponent) * cosine_error;
-    match params.material {
-        Material::Phong | Material::BlinnPhong => largest(params.shininess),
-        Material::AshikhminShirley => largest(params.coat[0].max(params.coat[1])),
-        Material::Sublambert => cosine_error.powf(params.flatness.into()),
-        Material::Lambert | Material::Toon | Material::Mirror | Material::Glass => 0.0,
-    }
-}
-
 impl Scratch {
     /// Computes the diffuse and specular terms of a light.
     #[inline(always)]

@@ -35,7 +35,7 @@ fn find(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let canvas = std::mem::take(run.canvas_mut());
-    let mut shape = std::mem::take(&mut run.outcome.shape);
+    let mut shape = std::mem::take(&mut run.made.outcome.shape);
     let is_last = run.read_last.contains(&Product::Conductance);
     let make = || {
         let own = shape.conductance.as_ref();
@@ -55,7 +55,7 @@ fn find(run: &mut Execution) {
     let directions = run.copied_or(DIRECTION_FIELD.name, key, |run| {
         run.timed(DIRECTION_FIELD.name, make)
     });
-    run.outcome.shape = shape;
+    run.made.outcome.shape = shape;
     *run.canvas_mut() = Canvas {
         directions,
         ..canvas

@@ -46,7 +46,7 @@ fn draw(run: &mut Execution) {
     let params = plan.drawing.as_ref().expect("lines are of a drawing");
     let key = plan.key_without_scene(INTERIOR.name);
     let layer = run.copied_or(INTERIOR.name, key, follow);
-    run.outcome.line_levels = layer.levels;
+    run.made.outcome.line_levels = layer.levels;
     let covered = in_medium(layer.covered, run.frame, &params.strokes);
     run.canvas_mut().interior = Some((covered, layer.lines));
 }

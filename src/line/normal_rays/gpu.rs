@@ -94,12 +94,12 @@ pub(crate) fn fill_gaps(run: &mut Recording) -> Result<()> {
     let [x, y, flat] = run.read_planes(found.each_ref());
     FOUND.iter().for_each(|name| run.drop_plane(name));
     let (frame, host) = (run.frame, &mut run.host);
-    let conductance = host.outcome.shape.conductance.take();
+    let conductance = host.made.outcome.shape.conductance.take();
     let conductance = conductance.expect("directions are planned with their edges");
     let directions = host.timed(STAGE, || {
         filled(Vector2Planes { x, y }, &flat, frame, &conductance)
     });
-    let shape = &mut host.outcome.shape;
+    let shape = &mut host.made.outcome.shape;
     (shape.conductance, shape.direction) = (Some(conductance), Some(directions));
     Ok(())
 }

@@ -47,11 +47,11 @@ fn follow_rays(run: &mut Execution) {
     if !plan.wants(Product::Direction) || run.has_kept(&[Product::Direction], key) {
         return;
     }
-    let conductance = run.outcome.shape.conductance.take();
+    let conductance = run.made.outcome.shape.conductance.take();
     let conductance = conductance.expect("directions are planned with their edges");
     let directions = run.timed(NORMAL_RAYS.name, || {
         cpu::directions(plan, frame, &conductance, memory)
     });
-    let shape = &mut run.outcome.shape;
+    let shape = &mut run.made.outcome.shape;
     (shape.conductance, shape.direction) = (Some(conductance), Some(directions));
 }

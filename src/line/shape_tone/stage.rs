@@ -29,7 +29,7 @@ fn find(run: &mut Execution) {
     let (density, levels) = run.timed_on(SHAPE_TONE.name, |run| {
         let (plan, frame, memory) = (run.plan, run.frame, run.memory);
         let params = plan.drawing.as_ref().expect("tones are of a drawing");
-        let (shape, light) = (&run.outcome.shape, run.illumination());
+        let (shape, light) = (&run.made.outcome.shape, run.illumination());
         let given = light.and_then(|light| light.directional.first());
         let there = "tones are planned with their shape";
         let of = Shown {
@@ -37,7 +37,7 @@ fn find(run: &mut Execution) {
             conductance: shape.conductance.as_ref().expect(there),
             silhouette: shape.silhouette.as_ref(),
             curvature: (shape.trace.as_ref().expect(there), run.gain()),
-            picture: run.outcome.color.as_ref().or(frame.color.as_ref()),
+            picture: run.made.outcome.color.as_ref().or(frame.color.as_ref()),
             to_key: given.map_or_else(key_light, |light| light.to_light),
             params: &params.tone,
             background: run.canvas().background.as_ref(),
@@ -50,10 +50,10 @@ fn find(run: &mut Execution) {
         }
         (density, cells.levels)
     });
-    run.outcome.tone_levels = Some(levels);
+    run.made.outcome.tone_levels = Some(levels);
     if run.read_last.contains(&Product::Trace) {
         // Strokes take the tone alone.
-        run.outcome.color = None;
+        run.made.outcome.color = None;
     }
     run.canvas_mut().density = Some(density);
 }

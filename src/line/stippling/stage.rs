@@ -42,7 +42,7 @@ fn lay(run: &mut Execution) {
         coordinates.dots = laid;
     }
     finish(run, tone, covered, Vec::new());
-    if let Some(drawing) = &mut run.outcome.drawing {
+    if let Some(drawing) = &mut run.made.outcome.drawing {
         drawing.dots = dots;
     }
 }

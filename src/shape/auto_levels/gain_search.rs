@@ -46,8 +46,8 @@ impl Search for GainSearch {
 
     fn look(&mut self, run: &mut Execution) {
         make_trace(run);
-        let shape = &run.outcome.shape;
-        let trace = run.trace.as_ref().or(shape.trace.as_ref());
+        let shape = &run.made.outcome.shape;
+        let trace = run.made.trace.as_ref().or(shape.trace.as_ref());
         let trace = trace.expect("the gain takes the trace");
         let conductance = shape.conductance.as_ref();
         let conductance = conductance.expect("the trace takes the conductance");

@@ -8,11 +8,11 @@ pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
     if run.plan.chooses_gain() {
         let [trace, conductance] = ["trace", "conductance"].map(|name| run.plane(name));
         let [trace, conductance] = run.read_planes([&trace, &conductance]);
-        let of_host = &mut run.host.outcome.shape;
+        let of_host = &mut run.host.made.outcome.shape;
         (of_host.trace, of_host.conductance) = (Some(trace), Some(conductance));
     }
     run.choose(choose);
-    let of_host = &mut run.host.outcome.shape;
+    let of_host = &mut run.host.made.outcome.shape;
     (of_host.trace, of_host.conductance) = (None, None);
 }
 

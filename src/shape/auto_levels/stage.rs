@@ -63,7 +63,7 @@ fn choose_gain(run: &mut Execution) {
         Adaptive::Fixed(gain) => gain,
         Adaptive::Auto => gain_of_frame(run),
     };
-    run.outcome.gain = Some(gain);
+    run.made.outcome.gain = Some(gain);
 }
 
 /// The gain from the trace, however that is computed.
@@ -71,7 +71,7 @@ fn gain_of_frame(run: &mut Execution) -> f32 {
     let plan = run.plan;
     make_trace(run);
     // The bits of a trace depend on the source it is computed from.
-    let made_of = (run.trace.is_some(), plan.relighting().is_some());
+    let made_of = (run.made.trace.is_some(), plan.relighting().is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     run.copied_or(AUTO_GAIN.name, Some(&key), |run| {
         run.timed_on(AUTO_GAIN.name, |run| run.searched(search(plan)).gain())
@@ -84,9 +84,11 @@ fn search(plan: &Plan) -> GainSearch {
 
 /// Makes the trace where it is no product: of the curvatures, or, where rows alone have them, of the gradient.
 pub(super) fn make_trace(run: &mut Execution) {
-    let shape = &run.outcome.shape;
+    let shape = &run.made.outcome.shape;
     match (&shape.curvatures, &shape.trace) {
-        (Some(curvatures), _) if run.trace.is_none() => run.trace = Some(curvatures.trace()),
+        (Some(curvatures), _) if run.made.trace.is_none() => {
+            run.made.trace = Some(curvatures.trace())
+        }
         (None, None) => trace_of_gradient(run),
         _ => {}
     }

@@ -137,7 +137,7 @@ fn describe(run: &mut Execution) {
         return;
     }
     let (shape, factor) = (
-        std::mem::take(&mut run.outcome.shape),
+        std::mem::take(&mut run.made.outcome.shape),
         plan.resolution_factor as f32,
     );
     let (gradient, conductance) = slopes(&shape);
@@ -155,7 +155,7 @@ fn describe(run: &mut Execution) {
         (hessian, trace, layers)
     });
     let (curvatures, directions) = layers.unzip();
-    run.outcome.shape = Shape {
+    run.made.outcome.shape = Shape {
         hessian: Some(hessian),
         trace,
         curvatures: curvatures.filter(|_| wanted[0]),
@@ -172,7 +172,7 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
     if run.has_kept(&[Product::Trace], &key) {
         return;
     }
-    let shape = std::mem::take(&mut run.outcome.shape);
+    let shape = std::mem::take(&mut run.made.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
     let trace = run.timed(CURVATURE.name, || {
         if factor != 1.0 && plan.wants(Product::Curvature) {
@@ -184,7 +184,7 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
         }
         per_reference_pixel(cpu::trace(gradient, conductance, mask, memory), factor)
     });
-    run.outcome.shape = Shape {
+    run.made.outcome.shape = Shape {
         trace: Some(trace),
         ..shape
     };
@@ -193,16 +193,16 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
 fn map_curvature(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let (gain, factor) = (run.gain(), plan.resolution_factor as f32);
-    let (shape, summed) = (&run.outcome.shape, run.trace.take());
+    let (shape, summed) = (&run.made.outcome.shape, run.made.trace.take());
     let summed = summed.or_else(|| shape.curvatures.as_ref().map(CurvaturePlanes::trace));
     let trace = summed.as_ref().or(shape.trace.as_ref());
     let trace = trace.expect("curvature comes before its map");
-    run.outcome.shape.kappa = Some(cpu::mapped_curvature(trace, gain, mask, memory));
+    run.made.outcome.shape.kappa = Some(cpu::mapped_curvature(trace, gain, mask, memory));
     if plan.more_px.is_empty() {
         return;
     }
-    let gradients = std::mem::take(&mut run.more_gradients);
-    let conductance = run.outcome.shape.conductance.take().expect(SLOPES);
+    let gradients = std::mem::take(&mut run.made.more_gradients);
+    let conductance = run.made.outcome.shape.conductance.take().expect(SLOPES);
     let scales = run.timed("more-scales", || {
         let scales = gradients.into_iter().zip(&plan.more_px);
         let described = scales.map(|(gradient, &sigma_px)| {
@@ -219,8 +219,8 @@ fn map_curvature(run: &mut Execution) {
         });
         described.collect()
     });
-    run.outcome.shape.conductance = Some(conductance);
-    run.outcome.shape.more_scales = scales;
+    run.made.outcome.shape.conductance = Some(conductance);
+    run.made.outcome.shape.more_scales = scales;
 }
 
 const SLOPES: &str = "curvature is planned with its gradient";

@@ -26,13 +26,13 @@ pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
 
 fn display(run: &mut Execution) {
     let (mask, memory, gain) = (&run.frame.mask, run.memory, run.gain());
-    let shape = std::mem::take(&mut run.outcome.shape);
+    let shape = std::mem::take(&mut run.made.outcome.shape);
     let there = "the display takes curvature";
     let trace = shape.trace.as_ref().expect(there);
     let conductance = shape.conductance.as_ref().expect(there);
     let color = run.timed(CURVATURE_DISPLAY.name, || {
         curvature_display(trace, conductance, mask, gain, memory)
     });
-    run.outcome.color = Some(color);
-    run.outcome.shape = shape;
+    run.made.outcome.color = Some(color);
+    run.made.outcome.shape = shape;
 }

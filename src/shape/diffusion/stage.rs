@@ -69,13 +69,13 @@ fn diffuse(run: &mut Execution) {
         return;
     }
     let kept = run.kept.as_deref();
-    let undiffused = run.undiffused.take();
+    let undiffused = run.made.undiffused.take();
     let undiffused = undiffused.or_else(|| kept?.copy(UNDIFFUSED, plan.key(EDGES.name)));
     let undiffused = undiffused.expect("the gradient is kept with its edges");
     let mut gradients = match plan.sweeps().count() {
         0 => vec![undiffused; 1 + plan.more_px.len()],
         _ => {
-            let conductance = run.outcome.shape.conductance.take();
+            let conductance = run.made.outcome.shape.conductance.take();
             let conductance = conductance.expect("slopes spread by conductance");
             let diffused = run.timed("diffusion", || {
                 let importance = Levels::of(frame, plan.sweeps());
@@ -92,13 +92,13 @@ fn diffuse(run: &mut Execution) {
                     cpu::diffusion(g, medium, sweeps, options, memory)
                 })
             });
-            run.outcome.shape.conductance = Some(conductance);
-            run.outcome.left_out = diffused.left_out;
+            run.made.outcome.shape.conductance = Some(conductance);
+            run.made.outcome.left_out = diffused.left_out;
             diffused.scales
         }
     };
-    run.more_gradients = gradients.split_off(1);
-    run.outcome.shape.gradient = gradients.pop();
+    run.made.more_gradients = gradients.split_off(1);
+    run.made.outcome.shape.gradient = gradients.pop();
 }
 
 /// Two planes spread by the conductance of the frame, at every scale of the sweeps.
@@ -110,7 +110,7 @@ pub(crate) fn spread(
 ) -> Vec<Vector2Planes> {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let options = &run.runner.options;
-    let conductance = run.outcome.shape.conductance.take();
+    let conductance = run.made.outcome.shape.conductance.take();
     let conductance = conductance.expect("what spreads takes conductance");
     let spread = run.timed(name, || {
         let medium = Medium::of_whole(&conductance, &frame.mask);
@@ -122,7 +122,7 @@ pub(crate) fn spread(
             cpu::diffusion(planes, medium, sweeps, options, memory)
         })
     });
-    run.outcome.shape.conductance = Some(conductance);
+    run.made.outcome.shape.conductance = Some(conductance);
     spread.scales
 }
 

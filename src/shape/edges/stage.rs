@@ -100,7 +100,7 @@ fn find_edges(run: &mut Execution) {
     {
         // Weights that are not wanted stay there.
         let taken = if is_wanted { &all[..] } else { &all[2..] };
-        kept.take(taken, &mut run.outcome.shape);
+        kept.take(taken, &mut run.made.outcome.shape);
         return;
     }
     // With a cache the weights may be requested later.
@@ -113,7 +113,7 @@ fn find_edges(run: &mut Execution) {
         silhouette: found.silhouette,
         crease: found.crease,
         conductance: Some(found.conductance),
-        ..std::mem::take(&mut run.outcome.shape)
+        ..std::mem::take(&mut run.made.outcome.shape)
     };
     if let Some(kept) = run.kept_if_whole() {
         kept.keep(UNDIFFUSED, key, gradient.clone());
@@ -121,6 +121,6 @@ fn find_edges(run: &mut Execution) {
             kept.put(&weights, &mut shape);
         }
     }
-    run.undiffused = Some(gradient);
-    run.outcome.shape = shape;
+    run.made.undiffused = Some(gradient);
+    run.made.outcome.shape = shape;
 }

@@ -32,7 +32,7 @@ pub(super) fn find_height(run: &mut Execution) {
     if is_alone && run.has_kept(&[Product::Height], plan.key(NAME)) {
         return;
     }
-    let mut shape = std::mem::take(&mut run.outcome.shape);
+    let mut shape = std::mem::take(&mut run.made.outcome.shape);
     let (height, missed) = run.timed(NAME, || {
         let open = match goes_over_edges(plan) {
             true => Cow::Owned(
@@ -46,7 +46,7 @@ pub(super) fn find_height(run: &mut Execution) {
         made(plan, frame, &open)
     });
     (shape.height, shape.height_residual) = (Some(height), missed);
-    run.outcome.shape = shape;
+    run.made.outcome.shape = shape;
 }
 
 fn made(plan: &Plan, frame: &Frame, conductance: &Plane) -> (Plane, Option<Plane>) {

@@ -13,7 +13,7 @@ pub(super) fn radius_px(plan: &Plan) -> usize {
 /// The sky seen from each pixel.
 pub(super) fn find_sky(run: &mut Execution) {
     let (plan, frame) = (run.plan, run.frame);
-    let height = run.outcome.shape.height.take();
+    let height = run.made.outcome.shape.height.take();
     let known = height.as_ref().expect("occlusion takes the height");
     let Sky { seen, bent } = run.timed("occlusion", || {
         let pixels = in_pixels(known, frame);
@@ -35,7 +35,7 @@ pub(super) fn find_sky(run: &mut Execution) {
             }
         }
     });
-    let shape = &mut run.outcome.shape;
+    let shape = &mut run.made.outcome.shape;
     (shape.height, shape.sky, shape.bent) = (height, Some(seen), Some(bent));
 }
 
