@@ -134,14 +134,12 @@ pub(crate) fn refuse_pictures(
         true => "name another map",
         false => "give the map of the picture with --normal",
     };
-    Err(no_normals(
-        share,
-        path,
-        &format!("{or}, or --normal-encoding unsigned if it is one"),
-    ))
+    let remedy = format!("{or}, or --normal-encoding unsigned if it is one");
+    Err(no_normals(share, stored, path, remedy))
 }
 
-/// Refuses numbers that are light: none is negative, and few vectors are of unit length, as stored or decoded.
+/// Refuses numbers that are light or heights: none is negative, or all components are equal, and few vectors are of unit
+/// length, as stored or decoded.
 ///
 /// # Errors
 /// [`Error::Unsupported`] with the share of its vectors that could be normals.
@@ -153,22 +151,30 @@ pub(crate) fn refuse_light(stored: &Vector3Planes, path: &Path) -> Result<()> {
     let share = share_of(&vectors, |n| is_unit(n) || is_unit(2.0 * n - Vec3::ONE));
     let holds_negatives = vectors.iter().any(|n| n.min_element() < 0.0);
     match share {
-        Some(share) if share < FEWEST_UNIT && !holds_negatives => {
+        Some(share) if share < FEWEST_UNIT && (!holds_negatives || is_grey(stored)) => {
             let remedy = "name another layer, or --normal-encoding signed or unsigned if it is one";
-            Err(no_normals(share, path, remedy))
+            Err(no_normals(share, stored, path, remedy.into()))
         }
         _ => Ok(()),
     }
 }
 
-fn no_normals(share: f64, path: &Path, remedy: &str) -> Error {
+/// Whether each pixel holds one number, as of heights.
+fn is_grey(stored: &Vector3Planes) -> bool {
+    sample(stored).all(|n| n.x == n.y && n.y == n.z)
+}
+
+fn no_normals(share: f64, stored: &Vector3Planes, path: &Path, remedy: String) -> Error {
     Error::Unsupported {
         path: path.to_path_buf(),
         found: format!(
             "is no normal map: {:.0} % of its pixels hold a vector of unit length",
             100.0 * share
         ),
-        remedy: remedy.into(),
+        remedy: match is_grey(stored) {
+            true => "a map of heights is named with --height".into(),
+            false => remedy,
+        },
     }
 }
 
