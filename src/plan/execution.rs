@@ -8,9 +8,9 @@ use crate::plan::Plan;
 use crate::plan::drawing::SequenceInputs;
 use crate::plan::frame_cache::FrameCache;
 use crate::plan::outcome::Outcome;
-use crate::plan::search::StripRows;
 use crate::plan::watch::Watch;
 use crate::product::Product;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Runs plans one after another. Recycled outcomes provide memory for the next ones, and stages keep what takes long to
@@ -32,6 +32,17 @@ pub(crate) struct RunInputs<'a> {
     pub(crate) sequence: Option<SequenceInputs<'a>>,
     /// New light, and a texture of strokes.
     pub(crate) others: Lent<'a>,
+}
+
+/// Rows of a frame that is a strip of a picture.
+#[derive(Clone)]
+pub(crate) struct StripRows {
+    /// Those that count, among the rows of the strip.
+    pub(crate) rows: Range<usize>,
+    /// The row of the picture that its first one is.
+    pub(crate) top: usize,
+    /// Width and height of the picture.
+    pub(crate) whole: [usize; 2],
 }
 
 /// The context of a stage: inputs, results of earlier stages, and storage for its own.

@@ -4,10 +4,9 @@
 use crate::frame::percentile::{Looks, Sample, Value};
 use crate::frame::{Extent, Frame, Mask};
 use crate::plan::Plan;
-use crate::plan::execution::Execution;
+use crate::plan::execution::{Execution, StripRows};
 use crate::product::Product;
 use std::borrow::Cow;
-use std::ops::Range;
 
 /// A search for something that is chosen from the pixels of a picture. All its rows are passed from top to bottom to survey
 /// them, then as often as its samples are open.
@@ -37,17 +36,6 @@ pub(crate) trait Search: Send {
 
 /// Fixes a choice in a plan.
 pub(crate) type Settle = Box<dyn Fn(&mut Plan) + Send + Sync>;
-
-/// Rows of a frame that is a strip of a picture.
-#[derive(Clone)]
-pub(crate) struct StripRows {
-    /// Those that count, among the rows of the strip.
-    pub(crate) rows: Range<usize>,
-    /// The row of the picture that its first one is.
-    pub(crate) top: usize,
-    /// Width and height of the picture.
-    pub(crate) whole: [usize; 2],
-}
 
 /// The pixels that something is chosen from, and the planes that hold them.
 pub(crate) struct ChosenFrom<'a> {

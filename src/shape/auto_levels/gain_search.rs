@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use crate::plan::execution::Execution;
 use crate::plan::search::{ChosenFrom, Search, Settle};
 use crate::product::Product;
-use crate::shape::auto_levels::stage::{gain_takes, make_trace};
+use crate::shape::curvature::stage::trace_of_gradient;
 
 /// A search for the gain.
 pub(crate) struct GainSearch {
@@ -63,4 +63,25 @@ impl Search for GainSearch {
         let gain = self.gain();
         Box::new(move |plan| plan.scaling.curvature_gain = Adaptive::Fixed(gain))
     }
+}
+
+/// Makes the trace where it is no product: of the curvatures, or, where rows alone have them, of the gradient.
+pub(super) fn make_trace(run: &mut Execution) {
+    let shape = &run.made.outcome.shape;
+    match (&shape.curvatures, &shape.trace) {
+        (Some(curvatures), _) if run.made.trace.is_none() => {
+            run.made.trace = Some(curvatures.trace())
+        }
+        (None, None) => trace_of_gradient(run),
+        _ => {}
+    }
+}
+
+/// Products that the gain is chosen from. Relighting makes no Hessian as a plane: of that, a trace of the gradient.
+pub(super) fn gain_takes(plan: &Plan) -> Vec<Product> {
+    let mut takes = vec![Product::Trace, Product::Conductance];
+    if plan.wants(Product::Hessian) {
+        takes.extend([Product::Hessian, Product::Gradient]);
+    }
+    takes
 }

@@ -4,10 +4,8 @@ use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Stage, Verdict, step};
-use crate::product::Product;
-use crate::shape::auto_levels::gain_search::GainSearch;
+use crate::shape::auto_levels::gain_search::{GainSearch, gain_takes, make_trace};
 use crate::shape::auto_levels::most_gain;
-use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
 pub(crate) static AUTO_GAIN: Stage = Stage {
@@ -80,25 +78,4 @@ fn gain_of_frame(run: &mut Execution) -> f32 {
 
 fn search(plan: &Plan) -> GainSearch {
     GainSearch::new(plan.resolution_factor as f32, plan.most_gain())
-}
-
-/// Makes the trace where it is no product: of the curvatures, or, where rows alone have them, of the gradient.
-pub(super) fn make_trace(run: &mut Execution) {
-    let shape = &run.made.outcome.shape;
-    match (&shape.curvatures, &shape.trace) {
-        (Some(curvatures), _) if run.made.trace.is_none() => {
-            run.made.trace = Some(curvatures.trace())
-        }
-        (None, None) => trace_of_gradient(run),
-        _ => {}
-    }
-}
-
-/// Products that the gain is chosen from. Relighting makes no Hessian as a plane: of that, a trace of the gradient.
-pub(super) fn gain_takes(plan: &Plan) -> Vec<Product> {
-    let mut takes = vec![Product::Trace, Product::Conductance];
-    if plan.wants(Product::Hessian) {
-        takes.extend([Product::Hessian, Product::Gradient]);
-    }
-    takes
 }
