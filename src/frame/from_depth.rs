@@ -91,7 +91,10 @@ pub(crate) fn normals_of_depth(
         (StoredDepth::WhiteFar | StoredDepth::NormalizedNearIsOne, _) => Rounding::Of(&mapped),
         _ => Rounding::Of(&plain),
     };
-    let found = slopes(&mut values, &rounding);
+    let mut found = slopes(&mut values, &rounding);
+    if stored == StoredDepth::Height {
+        found.go_over_steps(&values);
+    }
     normals(values, found, projection, window)
 }
 

@@ -34,6 +34,28 @@ pub(crate) struct Slopes {
     pub found: Plane<bool>,
 }
 
+impl Slopes {
+    /// Gives pixels that steps part from all others the slopes to their neighbours: heights seen from above hide nothing.
+    pub(super) fn go_over_steps(&mut self, values: &Plane) {
+        let (width, height) = (values.width(), values.height());
+        let found = self.found.samples_mut().iter_mut().enumerate();
+        for (i, found) in found.filter(|(i, found)| !**found && values.samples()[*i].is_finite()) {
+            let (x, y) = (i % width, i / width);
+            let at = |x: usize, y: usize| {
+                let there = values.at(x.min(width - 1), y.min(height - 1));
+                if there.is_finite() {
+                    there
+                } else {
+                    values.at(i % width, i / width)
+                }
+            };
+            self.across.samples_mut()[i] = 0.5 * (at(x + 1, y) - at(x.saturating_sub(1), y));
+            self.down.samples_mut()[i] = 0.5 * (at(x, y + 1) - at(x, y.saturating_sub(1)));
+            *found = true;
+        }
+    }
+}
+
 /// Values from here on are no samples: their squares have to be finite.
 pub(crate) const TOO_LARGE: f32 = 1e15;
 
@@ -167,6 +189,23 @@ mod tests {
             &mut Plane::from_fn(values.width(), values.height(), within),
             rounding,
         )
+    }
+
+    #[test]
+    fn a_height_that_steps_part_from_all_others_has_the_slopes_over_them() {
+        // A ramp of 0.1 a column with a pixel 50 above it.
+        let is_tower = |x, y| x == 10 && y == 8;
+        let mut values = Plane::from_fn(21, 17, |x, y| {
+            0.1 * x as f32 + if is_tower(x, y) { 50.0 } else { 0.0 }
+        });
+        let mut found = slopes(&mut values, &Rounding::Step(0.0));
+        assert!(!found.found.at(10, 8) && found.found.at(9, 8));
+        found.go_over_steps(&values);
+        assert!(found.found.samples().iter().all(|&found| found));
+        assert!((found.across.at(10, 8) - 0.1).abs() < 1e-6);
+        assert_eq!(found.down.at(10, 8), 0.0);
+        // It changes no other.
+        assert!((found.across.at(9, 8) - 0.1).abs() < 1e-6);
     }
 
     /// Normally distributed numbers, to about four deviations, that depend on the place alone.
