@@ -330,6 +330,6 @@ fn light_ball(
     sum.add_directed(fma, pixels, shading, lights);
     sum.finish(pixels, shading);
     if let Some(samples) = samples {
-        samples.add(pixels, sum, shading);
+        samples.add(pixels, sum, shading, None);
     }
 }

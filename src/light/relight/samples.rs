@@ -11,6 +11,7 @@ use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors};
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp};
 use crate::light::octahedral::OctahedralMaps;
+use crate::light::shadows::horizons::{HorizonLanes, hide_each};
 use crate::light::sum::lobes::Lobes;
 use crate::light::sum::terms::SHORTEST;
 use crate::light::sum::{LightSum, Shading};
@@ -114,9 +115,16 @@ impl FilteredSamples {
         self.pattern.len()
     }
 
-    /// Adds the highlight. Directions are bent as look-ups are ([LW] equation 1) where `shading` warps light.
+    /// Adds the highlight, but for what `horizons` hide of it. Directions are bent as look-ups are ([LW] equation 1) where
+    /// `shading` warps light, and are hidden as they were before.
     #[inline(always)]
-    pub(crate) fn add(&self, pixels: &Pixels, sum: &mut LightSum, shading: &Shading) {
+    pub(crate) fn add(
+        &self,
+        pixels: &Pixels,
+        sum: &mut LightSum,
+        shading: &Shading,
+        horizons: Option<&HorizonLanes>,
+    ) {
         let mut scratch = Scratch::NONE;
         if shading.warped {
             scratch.find_warp(pixels);
@@ -128,10 +136,18 @@ impl FilteredSamples {
                     Lobes::Phong { .. } => scratch.aim::<false>(sample, pixels),
                     _ => scratch.aim::<true>(sample, pixels),
                 }
+                let mut seen = [1.0; BATCH];
+                if let Some(horizons) = horizons {
+                    hide_each(horizons, &scratch.toward, &mut seen);
+                }
                 if shading.warped {
                     scratch.bend(pixels);
                 }
                 scratch.weigh(at, pixels, &shading.lobes);
+                if horizons.is_some() {
+                    let shares = scratch.share[at].iter_mut().zip(seen);
+                    shares.for_each(|(share, seen)| *share *= seen);
+                }
                 if let Some(scaled) = shading.scaled {
                     let curves = pixels.curve(Term::Specular as usize);
                     for i in 0..BATCH {

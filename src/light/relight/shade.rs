@@ -265,7 +265,10 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     dim(batch, scene);
     add_lamps(fma, batch, scene, shading);
     if let Some(sampled) = sampled {
-        sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
+        let hiding = scene.shadows.horizons.as_ref().map(|_| &batch.horizons);
+        sampled
+            .samples
+            .add(&batch.pixels, &mut batch.sum, shading, hiding);
     }
 }
 
@@ -299,7 +302,10 @@ fn add_turned(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, al
         add_around(fma, batch, scene, shading, &scene.around_lights);
         add_lamps(fma, batch, scene, shading);
         if let Some(sampled) = sampled {
-            sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
+            let hiding = scene.shadows.horizons.as_ref().map(|_| &batch.horizons);
+            sampled
+                .samples
+                .add(&batch.pixels, &mut batch.sum, shading, hiding);
         }
         batch.sum.sums.diffuse = Sums::NONE.diffuse;
     }

@@ -1,7 +1,7 @@
 //! From a frame in new light to the shadows in it.
 
 use super::casting::{Caster, Casting};
-use super::horizons::Horizons;
+use super::horizons::{Horizons, LOWEST};
 use super::march::{Place, Relief};
 use super::{Lamp, longest_px, shares};
 use crate::frame::memory::Memory;
@@ -94,13 +94,16 @@ impl<'a> Surface<'a> {
     ) -> Shadows {
         let fill = params.shadow_fill;
         let arrives = |seen: f32| (WHOLE * (fill + (1.0 - fill) * seen)).round() as u16;
+        // Light that is turned to the form also comes to what faces away from the lamp.
+        let is_turned = self.plan.relighting().is_some_and(|lit| lit.aligns);
+        let facing = (!is_turned).then_some(normal);
         let is_marched = self.by == Caster::Depth || !illumination.points.is_empty();
         let relief = is_marched.then(|| Relief::new(self.frame, params.thickness));
         let far = lamps(illumination, params).map(|(light, lamp)| {
             let seen = match (self.by, &relief) {
-                (Caster::Depth, Some(relief)) => relief.shares(&Place::Far(lamp), normal, memory),
+                (Caster::Depth, Some(relief)) => relief.shares(&Place::Far(lamp), facing, memory),
                 _ => {
-                    let around = self.around(|height| longest_px(height, &lamp));
+                    let around = self.around(lamp.elevation.tan() as f32);
                     around.cut(shares(&around.height, &lamp, self.pixel_shape, memory))
                 }
             };
@@ -113,7 +116,7 @@ impl<'a> Surface<'a> {
         let near = relief.iter().flat_map(|relief| {
             illumination.points.iter().map(move |point| {
                 let place = Place::Near(point.position.as_dvec3(), radius);
-                relief.shares(&place, normal, memory).map(arrives)
+                relief.shares(&place, facing, memory).map(arrives)
             })
         });
         Shadows {
@@ -125,14 +128,13 @@ impl<'a> Surface<'a> {
 
     /// What hides light from all around.
     fn horizons(&self) -> Horizons {
-        let around = self.around(|_| f32::MAX);
-        let found = Horizons::of(&around.height, self.pixel_shape);
-        found.mapped(|plane| around.cut(plane))
+        let around = self.around(LOWEST);
+        Horizons::of(&around.height, self.pixel_shape, |plane| around.cut(plane))
     }
 
-    /// The heights; those that repeat a tile as the tile, with as much of its repetition as shadows are long, but no more than
-    /// once to every side.
-    fn around(&self, longest_px: impl Fn(&Plane) -> f32) -> Around<'_> {
+    /// The heights; those that repeat a tile as the tile, with as much of its repetition as shadows are long in light of this
+    /// slope, but no more than once to every side.
+    fn around(&self, slope: f32) -> Around<'_> {
         let height = self.height.as_ref().expect("sweeps have it");
         let Some(tile) = self.plan.tile else {
             return Around {
@@ -143,7 +145,7 @@ impl<'a> Surface<'a> {
         let (window, whole) = (tile.window, self.frame.data_window);
         let own = height.crop(whole, window);
         let most = window.width().max(window.height());
-        let grown = tile.grown(longest_px(&own).min(most as f32).ceil() as usize);
+        let grown = tile.grown(longest_px(&own, slope).min(most as f32).ceil() as usize);
         Around {
             height: Cow::Owned(own.repeated(window, grown)),
             windows: Some([grown, window, whole]),

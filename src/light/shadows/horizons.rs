@@ -6,7 +6,7 @@
 
 use super::sweep::{Azimuth, Looks, Way};
 use crate::frame::Plane;
-use crate::kernel::fast_math::{atan, polynomial};
+use crate::kernel::fast_math::{atan, atan2, polynomial};
 use crate::kernel::simd::wide;
 use crate::light::batch::{BATCH, Lanes, Vectors};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -20,6 +20,9 @@ const SETTING: f32 = PI / AZIMUTHS as f32 / 1.5;
 /// The unit of stored elevations, in radians.
 const UNIT: f32 = PI / 255.0;
 
+/// The slope of the lowest horizons that are looked for around a tile: that of 2 degrees.
+pub(super) const LOWEST: f32 = 0.035;
+
 /// The elevations of all horizons over the picture plane, from -90 degrees in steps of [`UNIT`].
 pub(crate) struct Horizons([Plane<u8>; AZIMUTHS]);
 
@@ -27,8 +30,9 @@ pub(crate) struct Horizons([Plane<u8>; AZIMUTHS]);
 pub(crate) type HorizonLanes = [Lanes; AZIMUTHS];
 
 impl Horizons {
-    /// Of a surface of heights in pixels of their mean size, which are `shape` times as wide as high.
-    pub(crate) fn of(height: &Plane, shape: f32) -> Self {
+    /// Of a surface of heights in pixels of their mean size, which are `shape` times as wide as high, by what `cut` makes of
+    /// each plane.
+    pub(crate) fn of(height: &Plane, shape: f32, cut: impl Fn(Plane<u8>) -> Plane<u8>) -> Self {
         let along = |k| Azimuth::of(f64::from(azimuth(k)), shape);
         let azimuths: [_; AZIMUTHS] = std::array::from_fn(along);
         let mut planes = [(); AZIMUTHS].map(|()| Plane::filled(0, 0, 0));
@@ -43,15 +47,10 @@ impl Horizons {
                     });
                 let mut elevations = Plane::filled(turned.width(), turned.height() - 1, 0);
                 course.spread(&lines, &mut elevations, |to, of| *to = of as u8);
-                *plane = way.turned_back(elevations);
+                *plane = cut(way.turned_back(elevations));
             }
         }
         Self(planes)
-    }
-
-    /// What `change` makes of each plane.
-    pub(crate) fn mapped(self, change: impl Fn(Plane<u8>) -> Plane<u8>) -> Self {
-        Self(self.0.map(change))
     }
 
     /// Sets lanes to the horizons of pixels of a row.
@@ -110,6 +109,19 @@ impl Bearing {
             let horizon = a[i] + self.share * (b[i] - a[i]);
             light[i] *= above((horizon - self.elevation) / SETTING);
         }
+    }
+}
+
+/// Takes off `share` what horizons hide of light from another direction in each pixel.
+#[inline(always)]
+pub(crate) fn hide_each(horizons: &HorizonLanes, [x, y, z]: &Vectors, share: &mut Lanes) {
+    for i in 0..BATCH {
+        let turn = atan2(y[i], x[i]) * (AZIMUTHS as f32 / TAU) + AZIMUTHS as f32;
+        let first = turn as usize;
+        let [a, b] = [first, first + 1].map(|k| horizons[k % AZIMUTHS][i]);
+        let elevation = atan2(z[i], (x[i] * x[i] + y[i] * y[i]).sqrt());
+        let horizon = a + (turn - first as f32) * (b - a);
+        share[i] *= above((horizon - elevation) / SETTING);
     }
 }
 

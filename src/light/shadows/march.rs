@@ -89,8 +89,14 @@ impl<'f> Relief<'f> {
         }
     }
 
-    /// The share of a lamp that each pixel sees; 1 where it faces away.
-    pub(super) fn shares(&self, place: &Place, normal: &Vector3Planes, memory: &Memory) -> Plane {
+    /// The share of a lamp that each pixel sees. With normals, it is 1 where they face away: what is dark anyway is not asked
+    /// for.
+    pub(super) fn shares(
+        &self,
+        place: &Place,
+        normal: Option<&Vector3Planes>,
+        memory: &Memory,
+    ) -> Plane {
         let mask = &self.frame.mask;
         let mut shares = Plane::filled(mask.width(), mask.height(), 1.0);
         let rows = shares.samples_mut().par_chunks_mut(mask.width().max(1));
@@ -99,14 +105,14 @@ impl<'f> Relief<'f> {
                 return;
             }
             for x in mask.runs(y).flatten() {
-                row[x] = self.share([x, y], place, normal.at(x, y));
+                row[x] = self.share([x, y], place, normal.map(|normal| normal.at(x, y)));
             }
         });
         shares
     }
 
     /// The share of a lamp seen from a pixel.
-    fn share(&self, at: [usize; 2], place: &Place, normal: DVec3) -> f32 {
+    fn share(&self, at: [usize; 2], place: &Place, normal: Option<DVec3>) -> f32 {
         let [point, to_eye] = self.seen(at);
         let (to_light, radius, distance) = match *place {
             Place::Far(lamp) => (lamp.direction(), lamp.radius, f64::INFINITY),
@@ -115,7 +121,7 @@ impl<'f> Relief<'f> {
                 (to.normalize_or(DVec3::Z), radius, to.length())
             }
         };
-        if normal.dot(to_light) <= 0.0 {
+        if normal.is_some_and(|normal| normal.dot(to_light) <= 0.0) {
             return 1.0;
         }
         let across = to_light.cross(DVec3::Z).normalize_or(DVec3::X);

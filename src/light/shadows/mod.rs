@@ -69,14 +69,14 @@ pub(crate) fn shares(height: &Plane, lamp: &Lamp, shape: f32, memory: &Memory) -
 
 /// Azimuths across a lamp from which the longest shadow has no steps in its penumbra: an odd number.
 fn azimuths(height: &Plane, lamp: &Lamp) -> usize {
-    let penumbra = lamp.radius as f32 * longest_px(height, lamp);
+    let penumbra = lamp.radius as f32 * longest_px(height, lamp.elevation.tan() as f32);
     penumbra.ceil().clamp(1.0, MOST_AZIMUTHS as f32) as usize | 1
 }
 
-/// The length of the longest shadow that heights can cast, in pixels.
-fn longest_px(height: &Plane, lamp: &Lamp) -> f32 {
+/// The length of the longest shadow that heights can cast in light of this slope, in pixels.
+fn longest_px(height: &Plane, slope: f32) -> f32 {
     let [low, high] = range(height);
-    (high - low).max(0.0) / lamp.elevation.tan().max(1e-3) as f32
+    (high - low).max(0.0) / slope.max(1e-3)
 }
 
 /// The lowest and the highest height.

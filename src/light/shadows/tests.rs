@@ -211,7 +211,7 @@ fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
     for (thickness, from) in [(10.0, 10), (1e6, 1)] {
         let relief = Relief::new(&frame, Adaptive::Fixed(thickness));
         for place in [Place::Far(lamp), Place::Near(near, 0.0)] {
-            let shares = relief.shares(&place, &normal, &Memory::default());
+            let shares = relief.shares(&place, Some(&normal), &Memory::default());
             for d in 1..width - 1 - edge {
                 let is_lit = shares.at(edge + d, 1) > 0.5;
                 // At the ends of the shadow the ray touches an edge.
@@ -228,7 +228,7 @@ fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
 
 /// The share of a light in each of these directions that a pixel sees over these heights, and of the sky.
 fn seen_from(heights: &Plane, [x, y]: [usize; 2], directions: &[[f32; 3]]) -> (Vec<f32>, f32) {
-    let horizons = Horizons::of(heights, 1.0);
+    let horizons = Horizons::of(heights, 1.0, |plane| plane);
     let mut lanes = [[0.0; BATCH]; AZIMUTHS];
     horizons.copy_to(&mut lanes, 0, (y, x..x + 1));
     let seen = directions.iter().map(|direction| {
@@ -269,6 +269,32 @@ fn a_trench_hides_the_sky_but_for_its_opening() {
             "{depth}: {sky}, not {opening}"
         );
     }
+}
+
+#[test]
+fn a_light_of_its_own_in_each_pixel_is_hidden_as_one_of_all() {
+    let heights = Plane::from_fn(BATCH + 40, 47, |x, y| ((x * 7 + y * 5) % 23) as f32);
+    let horizons = Horizons::of(&heights, 1.0, |plane| plane);
+    let mut lanes = [[0.0; BATCH]; AZIMUTHS];
+    horizons.copy_to(&mut lanes, 0, (20, 10..10 + BATCH));
+    let (mut partly, golden) = (0, 2.399_963_f32);
+    for first in 0..200 {
+        let directions: [[f32; 3]; BATCH] = std::array::from_fn(|i| {
+            let (turn, z) = (golden * (first * BATCH + i) as f32, 0.005 * first as f32);
+            let across = (1.0 - z * z).sqrt();
+            [across * turn.cos(), across * turn.sin(), z]
+        });
+        let toward = std::array::from_fn(|k| directions.map(|direction| direction[k]));
+        let mut each = [1.0; BATCH];
+        horizons::hide_each(&lanes, &toward, &mut each);
+        for (i, direction) in directions.iter().enumerate() {
+            let mut all = [1.0; BATCH];
+            horizons::Bearing::of(*direction).hide(&lanes, &mut all);
+            assert!((each[i] - all[i]).abs() < 1e-4, "{direction:?}");
+            partly += usize::from(all[i] > 0.1 && all[i] < 0.9);
+        }
+    }
+    assert!(partly > 100, "{partly}");
 }
 
 #[test]

@@ -142,6 +142,29 @@ fn horizons_hide_the_light_of_an_environment() {
     }
 }
 
+/// Highlights of samples are hidden as those of lights that stand for the same environment.
+#[test]
+fn horizons_hide_the_highlights_of_an_environment() {
+    let frame = relief().crop(Window::at(60, 40, 160, 120));
+    let low = |[_, _, z]: [f32; 3]| [if z < 0.5 { 1.0 } else { 0.05 }; 3];
+    let by = |samples, shadows| {
+        let asked = Asked::of(Material::AshikhminShirley, Method::Plain).with(|asked| {
+            asked.relight.material.diffuse_gain = 0.0;
+            asked.relight.material.ambient = 0.0;
+            asked.relight.material.coat = [4.0; 2];
+            asked.relight.sky_shadows = shadows;
+        });
+        let asked = asked.in_environment(surroundings(40, low), samples);
+        asked.color(&frame).g
+    };
+    let lights = by(Samples::Fixed(1500), Shadows::On);
+    let open = levels_apart(&lights, &by(Samples::Auto, Shadows::Off));
+    let hidden = levels_apart(&lights, &by(Samples::Auto, Shadows::On));
+    // Samples alone are allowed 4 levels.
+    assert!(open[1] > 40.0, "{open:?}");
+    assert!(hidden[0] < 4.0 && hidden[1] < 10.0, "{hidden:?}");
+}
+
 /// The mean and the 99th percentile of the difference in grey levels, where 95 % of the truth are below 0.8.
 fn levels_apart(truth: &Plane, found: &Plane) -> [f32; 2] {
     let nth = |mut values: Vec<f32>, share: f32| {
