@@ -43,8 +43,9 @@ pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
         let is_exr = matches!(job.args().output.kind(), Ok(OutputKind::Exr));
         let size = picture_size(input).filter(|_| is_exr);
         let layers = size.map_or(0, |size| size.pixels.saturating_mul(TILE_LAYERS_PER_PIXEL));
+        let beside = layers.saturating_add(job.work().bytes_around_tile(input));
         let why = "joins the borders of the picture whole";
-        job.args().refuse_above(input, layers, why)?;
+        job.args().refuse_above(input, beside, why)?;
         return Ok(false);
     }
     Ok(whole_bytes(job) > allowed(job))

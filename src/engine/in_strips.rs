@@ -17,6 +17,9 @@ use std::ops::Range;
 /// Planes that stages take at most beside their results, three gradients of the diffusion above all.
 const BESIDE: usize = 8;
 
+/// The same where they take the frame whole: 16 horizons of a byte, and normals at three scales.
+const BESIDE_WHOLE: usize = BESIDE + 4 + 6;
+
 /// Planes of layers of light, beside those of groups.
 const OF_LIGHT: usize = 18;
 
@@ -42,7 +45,12 @@ fn bytes_a_pixel(plan: &Plan, frame: &Frame) -> u64 {
         false => OF_LIGHT + 3 * frame.light.groups.len(),
     };
     let of_frame = 3 + single.into_iter().flatten().count() + 3 * colors + light;
-    let planes = made + of_frame + BESIDE + OF_SCALE * plan.more_px.len();
+    let beside = if plan.takes_whole() {
+        BESIDE_WHOLE
+    } else {
+        BESIDE
+    };
+    let planes = made + of_frame + beside + OF_SCALE * plan.more_px.len();
     (size_of::<f32>() * planes) as u64
 }
 

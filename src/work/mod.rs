@@ -152,6 +152,11 @@ pub(crate) trait FrameWork: Sync {
         self.args().refuse_too_large(picture)
     }
 
+    /// Bytes for what lies around the tile `picture`, beside its frame, by its header.
+    fn bytes_around_tile(&self, _picture: &Path) -> u64 {
+        0
+    }
+
     /// The enlargement of a frame, and whether the memory limit allows it.
     fn times(&self, _frame: &Frame, _is_specular: bool, _is_alone: bool) -> Result<f64> {
         Ok(1.0)
