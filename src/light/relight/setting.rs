@@ -1,6 +1,6 @@
 //! Requirements of relighting: lights to sum, look-ups, and the shape they need.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::intensity::White;
 use crate::light::lights::LightKinds;
@@ -241,14 +241,6 @@ impl Plan {
             .is_some_and(|enhancement| !enhancement.is_idle())
             || self.relighting().is_some()
             || self.display
-    }
-}
-
-fn bad(name: &'static str, found: &str, remedy: &str) -> Error {
-    Error::BadParameter {
-        name,
-        found: found.into(),
-        remedy: remedy.into(),
     }
 }
 

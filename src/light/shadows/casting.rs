@@ -1,6 +1,6 @@
 //! Whether shadows are cast, and by what.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::params::{RelightParams, Shadows};
 use crate::plan::available::Available;
 
@@ -105,13 +105,7 @@ impl Cast {
 const RENDER: &str = "a render, with depth, light passes or perspective";
 
 fn of_lamps(asked: Shadows, available: Available, light: Casters) -> Result<Cast> {
-    let refused = |found: &str, remedy: &str| {
-        Err(Error::BadParameter {
-            name: "--shadows",
-            found: found.into(),
-            remedy: remedy.into(),
-        })
-    };
+    let refused = |found: &str, remedy: &str| Err(bad("--shadows", found, remedy));
     match asked {
         Shadows::On if light.rakes => refused(
             "is on, and --raking best lights each region from another side",
@@ -135,11 +129,11 @@ fn of_lamps(asked: Shadows, available: Available, light: Casters) -> Result<Cast
 
 fn of_sky(asked: Shadows, available: Available, light: Casters) -> Result<Cast> {
     match asked {
-        Shadows::On if !light.sky => Err(Error::BadParameter {
-            name: "--sky-shadows",
-            found: "is on, and no light from all around is scattered".into(),
-            remedy: "give --environment FILE and a --material that scatters light".into(),
-        }),
+        Shadows::On if !light.sky => Err(bad(
+            "--sky-shadows",
+            "is on, and no light from all around is scattered",
+            "give --environment FILE and a --material that scatters light",
+        )),
         Shadows::On => Ok(Cast::given(true, "--sky-shadows on")),
         Shadows::Off => Ok(Cast::given(false, "--sky-shadows off")),
         Shadows::Auto if !light.sky || !light.environment => {
