@@ -204,6 +204,7 @@ fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
         }
     });
     let normal = Vector3Planes::from_fn(width, rows, |_, _| DVec3::Z);
+    let away = Vector3Planes::from_fn(width, rows, |_, _| DVec3::NEG_Z);
     let mut frame = Frame::of_normals(normal.clone(), Mask::full(width, rows));
     frame.depth = Some(depth);
     let lamp = Lamp::of(&DirectionalLight::white([180.0, 45.0]), 0.0);
@@ -212,6 +213,11 @@ fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
         let relief = Relief::new(&frame, Adaptive::Fixed(thickness));
         for place in [Place::Far(lamp), Place::Near(near, 0.0)] {
             let shares = relief.shares(&place, Some(&normal), &Memory::default());
+            // Pixels that face away are not asked for, unless light is turned to them.
+            let all = relief.shares(&place, None, &Memory::default());
+            assert_eq!(shares.samples(), all.samples());
+            let dark = relief.shares(&place, Some(&away), &Memory::default());
+            assert!(dark.samples().iter().all(|&share| share == 1.0));
             for d in 1..width - 1 - edge {
                 let is_lit = shares.at(edge + d, 1) > 0.5;
                 // At the ends of the shadow the ray touches an edge.
