@@ -25,6 +25,7 @@ pub(crate) mod network;
 pub(crate) mod polyline;
 pub(crate) mod ridge;
 pub(crate) mod round_stroke;
+mod straight;
 
 use crate::frame::Frame;
 use crate::kernel::fast_math::ln;

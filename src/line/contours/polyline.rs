@@ -1,5 +1,6 @@
 //! Polylines through places known to within a pixel: their smooth course, length and direction.
 
+use super::straight::straighten;
 use crate::params::ContourParams;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -13,6 +14,8 @@ pub(crate) struct Smoothing {
     pub tolerance: f32,
     /// Most points to either side that are looked at together.
     pub reach: usize,
+    /// Whether its points are on stairs of pixels, not known to less.
+    pub is_stepped: bool,
 }
 
 impl Smoothing {
@@ -22,6 +25,7 @@ impl Smoothing {
             step_px: params.step_px,
             tolerance,
             reach: params.smoothing_px as usize,
+            is_stepped: true,
         }
     }
 
@@ -42,7 +46,7 @@ const REACHES: [usize; 15] = [1, 2, 3, 4, 5, 7, 9, 12, 16, 21, 28, 38, 51, 68, 1
 /// The smooth version of a polyline whose points deviate by up to the tolerance: steps between pixels vanish, corners
 /// stay.
 ///
-/// Every point moves onto the least-squares parabola through its neighbours, as many to either side as stay within the
+/// Points of a straight run move onto its line. Every other point moves onto the least-squares parabola through its neighbours, as many to either side as stay within the
 /// tolerance of their parabola: many along a straight line, few around a corner. Adjacent points use nearly equal
 /// ranges, so that the line shows no seam.
 pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2> {
@@ -69,7 +73,12 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
         0 => points[i],
         _ => line.moved(i, REACHES[level - 1]),
     };
-    levels.iter().enumerate().map(moved).collect()
+    let mut smooth: Vec<Vec2> = levels.iter().enumerate().map(moved).collect();
+    if smoothing.is_stepped {
+        let reach = REACHES[allowed - 1];
+        straighten(&mut smooth, points, (closed, reach), smoothing);
+    }
+    smooth
 }
 
 /// The largest level up to `all` that holds, if every level below one that holds does.
@@ -134,7 +143,7 @@ impl Wrapped {
 }
 
 /// One coordinate of a parabola of least squares through samples that follow each other evenly.
-struct Parabola {
+pub(super) struct Parabola {
     /// Half the steps from the first sample to the last.
     half: f32,
     mean_square: f32,
@@ -145,7 +154,7 @@ struct Parabola {
 impl Parabola {
     /// Sums over t = -half, -half + 1, ... half, n samples: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
     /// n (n^2 - 1)(n^2 - 4)/180.
-    fn through(samples: &[f32]) -> Self {
+    pub(super) fn through(samples: &[f32]) -> Self {
         let n = samples.len() as f32;
         let squares = n * (n * n - 1.0) / 12.0;
         let fourths = n * (n * n - 1.0) * (n * n - 4.0) / 180.0;
@@ -170,6 +179,11 @@ impl Parabola {
                 over(bent, fourths),
             ],
         }
+    }
+
+    /// How far its middle is off the straight line through its ends.
+    pub(super) fn rise(&self) -> f32 {
+        (self.coefficients[2] * self.half * self.half).abs()
     }
 
     fn at(&self, t: f32) -> f32 {
@@ -265,6 +279,7 @@ mod tests {
         step_px: 1.0,
         tolerance: 0.6,
         reach: 28,
+        is_stepped: true,
     };
 
     /// Middles of the cracks along a line y = slope x, as pixels show it.

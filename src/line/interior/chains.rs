@@ -14,6 +14,7 @@ const SMOOTHING: Smoothing = Smoothing {
     step_px: 1.0,
     tolerance: 0.7,
     reach: 5,
+    is_stepped: false,
 };
 
 /// The lines through crests of one kind, each with its share of the full width; the crests are on a grid of `width` by
