@@ -73,18 +73,27 @@ impl Kit {
         Ok(scene)
     }
 
-    /// Draws a frame of a sequence in its turn, with strokes that move on from the frame before.
+    /// Draws a frame of a sequence in its turn, with strokes that move on from the frame before; `small` is the frame as it
+    /// was if it has been enlarged.
     pub(super) fn drawn_on(
         &self,
         job: &Job,
         loaded: &mut Loaded,
+        small: Option<&Frame>,
         inputs: Inputs,
         draw: impl FnOnce(&mut Frame, Inputs) -> Result<Outcome>,
     ) -> Result<Outcome> {
         job.in_turn(|| {
             let mut course = self.course.lock().unwrap_or_else(PoisonError::into_inner);
             let number = job.frame.unwrap_or_default();
-            let motion = course.steps.motion(number, loaded, |text| job.warn(text));
+            let (layers, times) = (loaded.motion.take(), loaded.enlarged);
+            let frame = small.unwrap_or(&loaded.frame);
+            let say = |text: &str| job.warn(text);
+            let motion = course.steps.motion(number, frame, layers, say);
+            let motion = motion.map(|motion| match small {
+                Some(small) => small.enlarged_motion(&motion, times),
+                None => motion,
+            });
             let sequence = SequenceInputs {
                 before: course.coordinates.as_ref(),
                 motion: motion.as_ref(),

@@ -53,6 +53,9 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
         true => Run::new().warn(&warn),
         false => Run::new().warn(&warn).progress(&tell),
     };
+    let moves = job.is_in_sequence() && work.motion().is_some();
+    // Motion is read beside the frame as it was.
+    let small = (moves && times != 1.0).then(|| loaded.frame.clone());
     if times != 1.0 {
         enlarge(job, &mut loaded, &mut scene, times, &run)?;
     }
@@ -60,7 +63,6 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
     let mut made = work.begin(&source.inputs, &loaded.frame)?;
     made.warnings.extend(work.warnings_on(&loaded.frame));
     made.warnings.iter().for_each(|warning| job.warn(warning));
-    let moves = job.is_in_sequence() && work.motion().is_some();
     let mut seen = FrameSeen {
         times,
         moves,
@@ -95,7 +97,7 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
             kit.engine.execute_sparingly(plan, frame, inputs, &run)
         };
         let outcome = match moves {
-            true => kit.drawn_on(job, &mut loaded, inputs, draw)?,
+            true => kit.drawn_on(job, &mut loaded, small.as_ref(), inputs, draw)?,
             false => draw(&mut loaded.frame, inputs)?,
         };
         job.note_gain(plan, outcome.gain);
@@ -137,15 +139,13 @@ fn enlarge(
     times: f64,
     run: &Run,
 ) -> Result<()> {
-    let (work, args) = (job.work(), job.args());
+    let args = job.args();
     let is_layers = !args.output.is_svg() && args.output.kind()? == OutputKind::Exr;
     let refused = if job.part.is_some() {
         Some((
             "makes cells larger than those of the sheet",
             "leave it or --grid out",
         ))
-    } else if job.is_in_sequence() && work.motion().is_some() {
-        Some(("does not go with strokes that move", "give --motion none"))
     } else if args.output.color_layer(loaded).is_some() && is_layers {
         let remedy = "give --layers results, or write a picture";
         Some(("makes layers larger than those of the input", remedy))

@@ -1,7 +1,6 @@
 //! Motion between the frames of a sequence.
 
-use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
-use crate::io::Loaded;
+use crate::frame::{AWAY, Camera, Frame, Vector2Planes, static_world_motion};
 use crate::io::motion::{FrameBefore, MotionConvention, MotionLayers, MotionVerdict};
 
 /// State kept from a frame to find the motion of the next.
@@ -36,22 +35,22 @@ impl Steps {
     pub(super) fn motion(
         &mut self,
         number: i32,
-        loaded: &mut Loaded,
+        frame: &Frame,
+        layers: Option<MotionLayers>,
         say: impl Fn(&str),
     ) -> Option<Vector2Planes> {
-        let camera = loaded.frame.camera;
-        let layers = loaded.motion.take();
+        let camera = frame.camera;
         let is_settled = |verdict: &MotionVerdict| verdict.is_settled;
         let is_open = self.convention.is_none() && !self.verdict.as_ref().is_some_and(is_settled);
         let now = Before {
             number,
             camera,
-            seen: is_open.then(|| FrameBefore::of(&loaded.frame)),
+            seen: is_open.then(|| FrameBefore::of(frame)),
         };
         let before = self.before.replace(now)?;
         let still = before
             .camera
-            .and_then(|before| static_world_motion(&loaded.frame, &before));
+            .and_then(|before| static_world_motion(frame, &before));
         let step = i64::from(number) - i64::from(before.number);
         let step = u32::try_from(step).unwrap_or(1).max(1);
         let of_layers = layers.and_then(|layers| {
@@ -59,7 +58,7 @@ impl Steps {
                 return Some(layers.given(convention));
             }
             if let Some(seen) = &before.seen {
-                let verdict = layers.judge(&loaded.frame, seen, step, still.as_ref());
+                let verdict = layers.judge(frame, seen, step, still.as_ref());
                 self.learn(verdict, &layers, &say);
             }
             let found = self

@@ -1,7 +1,7 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
 use super::gap::of_frame::parted;
-use super::{Camera, Frame, Mask, Plane, Projection, Window};
+use super::{AWAY, Camera, Frame, Mask, Plane, Projection, Vector2Planes, Window};
 use crate::params::ShapeParams;
 use std::cell::Cell;
 
@@ -42,6 +42,16 @@ impl Frame {
         match &calm {
             Some(calm) => calm.enlarged_by(Enlarger::new(calm, factor), goes_on, &begins),
             None => self.enlarged_by(enlarger, goes_on, &begins),
+        }
+    }
+
+    /// The `motion` of its surface for the frame [enlarged](Self::enlarged) so many times, in pixels of that.
+    pub fn enlarged_motion(&self, motion: &Vector2Planes, factor: f64) -> Vector2Planes {
+        let enlarger = Enlarger::new(self, factor);
+        let plane = |plane: &Plane| enlarger.plane(plane, AWAY).map(|by| by * factor as f32);
+        Vector2Planes {
+            x: plane(&motion.x),
+            y: plane(&motion.y),
         }
     }
 

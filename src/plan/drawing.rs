@@ -120,8 +120,10 @@ pub struct TextureCoordinates {
     pub(crate) next: Option<Plane>,
     /// Number of maps born.
     pub(crate) born: u32,
-    /// Seeds of strokes that are placed one by one, by family, in pixels of the window.
-    pub(crate) seeds: Vec<Vec<Seed>>,
+    /// Strokes that are placed one by one, by family.
+    pub(crate) lines: Vec<Vec<LaidLine>>,
+    /// The directions of such strokes, by family, x right, y up.
+    pub(crate) directions: Vec<Vector2Planes>,
     /// Dots, in pixels of the window.
     pub(crate) dots: Vec<LaidDot>,
 }
@@ -138,15 +140,13 @@ pub(crate) struct PlaceMap {
     pub(crate) generation: u32,
 }
 
-/// The seed of a line, and the line's extent from it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Seed {
-    /// Position in pixels, rows down.
-    pub(crate) at: Vec2,
-    /// The unit direction in which it continues ahead, rows down.
-    pub(crate) along: Vec2,
-    /// Number of points behind and ahead.
-    pub(crate) points: [i32; 2],
+/// A line as it is carried from frame to frame.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LaidLine {
+    /// The points it passes, in pixels of the window, rows down.
+    pub(crate) points: Vec<Vec2>,
+    /// The index of the point that it was begun at, which may have been cut off.
+    pub(crate) seed: i32,
 }
 
 /// A dot as it is carried from frame to frame.

@@ -116,6 +116,19 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     let [second, third] = ["forward.0002.png", "forward.0003.png"].map(|n| drawing(desk.path(), n));
     assert!(is_moved(&second, &third));
 
+    // Enlarged, lines move twice as far: 6 pixels to the right and 4 up, but where new ones come in at the border.
+    let large = "--style engraving --enlarge 2 -o large.%04d.png";
+    hatch(desk.path(), &format!("{sequence} {tone} {large}")).ended(0);
+    let [second, third] = ["large.0002.png", "large.0003.png"].map(|n| drawing(desk.path(), n));
+    assert_eq!(second.width(), 2 * SIZE[0]);
+    let difference = |[right, up]: [usize; 2]| {
+        let pixels = (40..90).flat_map(|y| (40..150).map(move |x| (x, y)));
+        let off = pixels.map(|(x, y)| (third.at(x, y) - second.at(x - right, y + up)).abs());
+        off.sum::<f32>() / (110.0 * 50.0)
+    };
+    let [moved, still] = [difference([6, 4]), difference([0, 0])];
+    assert!(5.0 * moved < still, "{moved} {still}");
+
     // Named by layer; a skipped frame means twice the motion, reported once.
     let gap = "in.####.exr --frames 1-3x2 --tone picture";
     let named = "--motion ViewLayer.Vector -o gap.####.png";

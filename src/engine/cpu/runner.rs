@@ -271,7 +271,7 @@ impl Runner {
             params.directions,
             drawn,
             &patches,
-            (given, None),
+            (given, None, None),
             memory,
         )
     }

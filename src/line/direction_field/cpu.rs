@@ -5,6 +5,7 @@ use crate::frame::memory::Memory;
 use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::quantile::quantile;
 use crate::line::background::Backdrop;
+use crate::line::carried::Carrier;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
@@ -14,34 +15,51 @@ use crate::line::direction_field::setting::{
     FAR, FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
 use crate::line::direction_field::{CurvatureTensor, Weighted, calm, doubled};
+use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside the mask.
-/// Nonzero `given` directions are followed as they are.
+/// Nonzero `given` directions are followed as they are. In a `sequence` directions of the frame before are the fallback, and
+/// stay where nothing moves.
 pub(crate) fn stroke_fields(
     plan: &Plan,
     params: &FieldParams,
     directions: StrokeDirections,
     frame: &Frame,
     patches: &Patches,
-    (given, background): (Option<&[Vector2Planes]>, Option<&Backdrop>),
+    (given, background, sequence): (
+        Option<&[Vector2Planes]>,
+        Option<&Backdrop>,
+        Option<SequenceInputs>,
+    ),
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
+    let before = Carrier::of(sequence, frame);
+    let carried = before.iter().flat_map(|(before, carrier)| {
+        let fields = before.directions.iter();
+        fields.map(|field| carrier.directions(field, memory))
+    });
     let field = Field {
         params,
         frame,
         patches,
         background,
+        carried: carried.collect(),
         setting: FieldSetting::new(plan, params, frame),
     };
-    match directions {
+    let mut found: Vec<_> = match directions {
         StrokeDirections::Max => field.found([0], given, memory).into(),
         StrokeDirections::Min => field.found([1], given, memory).into(),
         StrokeDirections::Both => field.found([0, 1], given, memory).into(),
+    };
+    if let Some((_, carrier)) = &before {
+        let both = found.iter_mut().zip(&field.carried);
+        both.for_each(|(found, carried)| carrier.keep_still(found, carried));
     }
+    found
 }
 
 struct Field<'a> {
@@ -50,6 +68,8 @@ struct Field<'a> {
     patches: &'a Patches,
     /// Planes in which directions are level.
     background: Option<&'a Backdrop>,
+    /// The directions of the frame before.
+    carried: Vec<Vector2Planes>,
     setting: FieldSetting,
 }
 
@@ -101,6 +121,13 @@ impl Field<'_> {
         if let Some(level) = self.level(at, order) {
             return level;
         }
+        if let Some(carried) = self.carried.get(order) {
+            let at = self.in_frame(at);
+            let was = Vec2::new(carried.x.nearest(at), carried.y.nearest(at));
+            if was != Vec2::ZERO {
+                return was;
+            }
+        }
         let Some(own) = &self.frame.stroke_fallback else {
             return self.setting.fallback(at.x, at.y, normal, order);
         };
@@ -116,10 +143,14 @@ impl Field<'_> {
 
     /// The direction at a place in the picture that lies in a plane behind the subject.
     fn level(&self, at: DVec2, order: usize) -> Option<Vec2> {
-        let window = self.frame.data_window;
-        let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));
-        let level = self.background?.level((at - corner).as_vec2())?;
+        let level = self.background?.level(self.in_frame(at))?;
         Some(if order == 0 { level } else { level.perp() })
+    }
+
+    /// A place in the picture, in pixels of the frame.
+    fn in_frame(&self, at: DVec2) -> Vec2 {
+        let window = self.frame.data_window;
+        (at - DVec2::new(f64::from(window.x0), f64::from(window.y0))).as_vec2()
     }
 
     /// Reach of one pass from each patch, in patches.

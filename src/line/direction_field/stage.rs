@@ -37,6 +37,11 @@ fn find(run: &mut Execution) {
     let canvas = std::mem::take(run.canvas_mut());
     let mut shape = std::mem::take(&mut run.made.outcome.shape);
     let is_last = run.read_last.contains(&Product::Conductance);
+    // Strokes that are laid one by one also follow where they lay before.
+    let sequence = run
+        .inputs
+        .sequence
+        .filter(|_| params.strokes.style.is_laid());
     let make = || {
         let own = shape.conductance.as_ref();
         let (drawn, conductance, given) = match &canvas.seen {
@@ -48,10 +53,11 @@ fn find(run: &mut Execution) {
         if is_last {
             memory.recycle(shape.conductance.take());
         }
-        let led = (given, canvas.background.as_ref());
+        let led = (given, canvas.background.as_ref(), sequence);
         stroke_fields(plan, field, wanted, drawn, &patches, led, memory)
     };
     let key = plan.key_without_scene(DIRECTION_FIELD.name);
+    let key = key.filter(|_| sequence.is_none());
     let directions = run.copied_or(DIRECTION_FIELD.name, key, |run| {
         run.timed(DIRECTION_FIELD.name, make)
     });

@@ -55,7 +55,7 @@ pub(crate) fn seen_through(
             directions,
             behind,
             &patches,
-            (None, None),
+            (None, None, None),
             memory,
         )
     });

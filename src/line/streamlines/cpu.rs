@@ -3,13 +3,13 @@
 use crate::frame::Plane;
 use crate::frame::memory::Memory;
 use crate::frame::{Frame, Vector2Planes};
-use crate::line::carried::Carrier;
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
 use crate::line::density::{coverage_at, keep_inside};
 use crate::line::direction_field::setting::OPEN;
 use crate::line::drawing::Drawn;
 use crate::line::hatching::{CROSSED_FROM, share_from};
-use crate::line::streamlines::{Seed, Streamline, Streamlines, Tool, Wanted, streamlines};
+use crate::line::streamlines::carried::carried_lines;
+use crate::line::streamlines::{LaidLine, Streamline, Tool, Wanted, streamlines};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tone::Densities;
 use crate::params::{AtEdges, StrokeParams, Style};
@@ -18,21 +18,22 @@ use rayon::prelude::*;
 /// Density from which engraved lines are crossed by others: below it the first swell to half of the paper.
 const ENGRAVING_CROSSED_FROM: f32 = 0.7;
 
-/// The lines of a family along each field in turn, and their seeds by family; the seeds of `first`, if there are any, are
-/// placed before all others.
+/// The lines of a family along each field in turn, those of the previous frame of a `sequence` before all others; by
+/// family as they are carried on.
 pub(crate) fn lines(
     densities: &Densities,
     fields: &[Vector2Planes],
-    first: &[Vec<Seed>],
+    sequence: Option<SequenceInputs>,
     drawn: &Drawn,
     params: &StrokeParams,
     resolution_factor: f32,
     memory: &Memory,
-) -> (Vec<Streamline>, Vec<Vec<Seed>>) {
+) -> (Vec<Streamline>, Vec<Vec<LaidLine>>) {
     let frame = drawn.frame;
     let conductance = drawn.conductance.expect("strokes stop at edges");
     let stroke = params.stroke(resolution_factor);
     let tool = Tool::of(&stroke, params.style);
+    let carried = carried_lines(sequence, frame, &tool);
     let count = fields.len();
     let onto_edges = params.at_edges == AtEdges::Meet;
     let crossed_from = match params.style {
@@ -48,29 +49,19 @@ pub(crate) fn lines(
             conductance: onto_edges.then_some(conductance),
             cancel: memory.cancel(),
         };
-        let first = first.get(number).map_or(&[][..], Vec::as_slice);
-        let Streamlines { mut lines, seeds } = streamlines(field, wanted, &tool, first);
+        let first = carried.get(number).map_or(&[][..], Vec::as_slice);
+        let (mut lines, seeds) = streamlines(field, wanted, &tool, first);
         lines.iter_mut().for_each(|line| line.crosses = number > 0);
-        (lines, seeds)
+        let laid = |(line, seed): (&Streamline, i32)| LaidLine {
+            points: line.points.clone(),
+            seed,
+        };
+        let laid = sequence.map(|_| lines.iter().zip(seeds).map(laid).collect());
+        (lines, laid.unwrap_or_default())
     };
     let numbered = fields.par_iter().enumerate();
-    let (found, seeds): (Vec<_>, Vec<_>) = numbered.map(of_family).unzip();
-    (found.concat(), seeds)
-}
-
-/// Seeds of the previous frame's lines, by family, where they are visible in this one.
-pub(crate) fn carried_seeds(sequence: Option<SequenceInputs>, frame: &Frame) -> Vec<Vec<Seed>> {
-    let Some((before, carrier)) = Carrier::of(sequence, frame) else {
-        return Vec::new();
-    };
-    let of_family = |seeds: &Vec<Seed>| {
-        let here = |seed: &Seed| {
-            let at = carrier.carried(seed.at)?;
-            Some(Seed { at, ..*seed })
-        };
-        seeds.iter().filter_map(here).collect()
-    };
-    before.seeds.iter().map(of_family).collect()
+    let (found, laid): (Vec<_>, Vec<_>) = numbered.map(of_family).unzip();
+    (found.concat(), laid)
 }
 
 /// The ink that lines are to cover; 0 on edges that are `closed` to them, by their conductance.

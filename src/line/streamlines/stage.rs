@@ -2,7 +2,7 @@
 
 use crate::frame::Plane;
 use crate::line::drawing::{Drawn, Tone, finish, has_strokes};
-use crate::line::streamlines::cpu::{carried_seeds, inked, lines};
+use crate::line::streamlines::cpu::{inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
@@ -42,21 +42,24 @@ fn lay(run: &mut Execution) {
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);
     let densities = tone.densities(frame, &params.tone);
-    let (ink, laid, seeds) = run.timed_on(STREAMLINES.name, |run| {
+    let (ink, lines, laid) = run.timed_on(STREAMLINES.name, |run| {
         let (drawn, factor) = (Drawn::of(run), plan.resolution_factor as f32);
-        let first = carried_seeds(run.inputs.sequence, drawn.frame);
-        let strokes = &params.strokes;
+        let (sequence, strokes) = (run.inputs.sequence, &params.strokes);
         let fields = &run.canvas().directions;
-        let (laid, seeds) = lines(&densities, fields, &first, &drawn, strokes, factor, memory);
+        let (lines, laid) = lines(
+            &densities, fields, sequence, &drawn, strokes, factor, memory,
+        );
         let ink = match plan.inks_strokes {
             false => Plane::filled(frame.mask.width(), frame.mask.height(), 0.0),
-            true => inked(&laid, frame, memory),
+            true => inked(&lines, frame, memory),
         };
-        (ink, laid, seeds)
+        (ink, lines, laid)
     });
     drop(densities);
-    if let Some(coordinates) = &mut run.canvas_mut().coordinates {
-        coordinates.seeds = seeds;
+    let canvas = run.canvas_mut();
+    if let Some(coordinates) = &mut canvas.coordinates {
+        coordinates.lines = laid;
+        coordinates.directions = std::mem::take(&mut canvas.directions);
     }
-    finish(run, tone, ink, laid);
+    finish(run, tone, ink, lines);
 }

@@ -40,7 +40,8 @@ impl TextureCoordinates {
             maps: vec![PlaceMap::laid(0, frame)],
             next: None,
             born: 1,
-            seeds: Vec::new(),
+            lines: Vec::new(),
+            directions: Vec::new(),
             dots: Vec::new(),
         }
     }
@@ -78,7 +79,8 @@ impl TextureCoordinates {
             maps: maps.collect(),
             next: None,
             born: self.born,
-            seeds: Vec::new(),
+            lines: Vec::new(),
+            directions: Vec::new(),
             dots: Vec::new(),
         };
         next.share_out(frame, motion, memory);
