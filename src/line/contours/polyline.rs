@@ -46,9 +46,9 @@ const REACHES: [usize; 15] = [1, 2, 3, 4, 5, 7, 9, 12, 16, 21, 28, 38, 51, 68, 1
 /// The smooth version of a polyline whose points deviate by up to the tolerance: steps between pixels vanish, corners
 /// stay.
 ///
-/// Points of a straight run move onto its line. Every other point moves onto the least-squares parabola through its neighbours, as many to either side as stay within the
-/// tolerance of their parabola: many along a straight line, few around a corner. Adjacent points use nearly equal
-/// ranges, so that the line shows no seam.
+/// Points of a straight run move onto its line. Every other point moves onto the least-squares parabola through its
+/// neighbours, as many to either side as stay within the tolerance of their parabola: many along a straight line, few around
+/// a corner. Adjacent points use nearly equal ranges, so that the line shows no seam.
 pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2> {
     let allowed = REACHES.partition_point(|&reach| reach <= smoothing.reach);
     if points.len() < 3 || allowed == 0 {
