@@ -113,7 +113,7 @@ pub fn of_frame(name: &str, frame: i32) -> Option<String> {
 }
 
 /// [`of_frame`] of a path.
-pub(crate) fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
+pub fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
     of_frame(path.to_str()?, frame).map(PathBuf::from)
 }
 

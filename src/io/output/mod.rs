@@ -76,6 +76,7 @@ pub fn write_atomically(
 ///
 /// # Errors
 /// As for [`write_atomically`].
+#[cfg(any(test, feature = "cli"))]
 pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
     write_atomically(path, replace, |w| {
         w.write_all(text.as_bytes())

@@ -76,7 +76,7 @@ pub(crate) fn scaled(c: f32, sigma: f32) -> f32 {
 ///
 /// Derived from the derivative of `d sigma(d)` at its flattest point: it reaches 0 at `ln{[(1-a) + sqrt((1-a)^2 +
 /// 4a^2)] / 2a}`.
-pub(crate) fn monotone_limit(alpha: f32) -> f32 {
+pub fn monotone_limit(alpha: f32) -> f32 {
     let a = alpha.clamp(INVARIANT_MARGIN, 1.0 - INVARIANT_MARGIN);
     let b = 1.0 - a;
     ((b + (b * b + 4.0 * a * a).sqrt()) / (2.0 * a)).ln()
