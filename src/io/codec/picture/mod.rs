@@ -39,7 +39,7 @@ use gathered::Part;
 use std::io::{Seek, Write};
 use std::path::Path;
 
-/// Writes a picture without metadata, as [`write_picture_as`] does.
+/// Writes a picture without metadata. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
 ///
 /// # Errors
 /// Any [`Error`] of writing.
