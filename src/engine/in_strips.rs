@@ -17,7 +17,7 @@ use std::ops::Range;
 /// Planes that stages take at most beside their results, three gradients of the diffusion above all.
 const BESIDE: usize = 8;
 
-/// The same where they take the frame whole: 16 horizons of a byte, and normals at three scales.
+/// Planes beside results where stages take the frame whole: also 16 horizons of a byte, and normals at three scales.
 const BESIDE_WHOLE: usize = BESIDE + 4 + 6;
 
 /// Planes of layers of light, beside those of groups.

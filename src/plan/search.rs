@@ -16,7 +16,7 @@ pub(crate) trait Search: Send {
         Vec::new()
     }
 
-    /// Learns from rows of the picture what the samples depend on.
+    /// Learns from rows of the picture what the samples depend on, before any is taken.
     fn survey(&mut self, _run: &Execution) {}
 
     /// Adds values of the rows to the samples.
@@ -122,7 +122,7 @@ impl<'a> Execution<'a> {
         from
     }
 
-    /// The same, by planes that are made: of a part of a frame, of that part alone.
+    /// The pixels that something is chosen from by planes that are made: of a part of a frame, those of the part alone.
     pub(crate) fn chosen_from_made(&self) -> ChosenFrom<'a> {
         let from = self.chosen_from();
         let at = from.frame.data_window;

@@ -37,7 +37,7 @@ impl RunFrame<'_> {
         }
     }
 
-    /// The same, for a run within this one.
+    /// The frame as it is, lent to a run within this one.
     pub(crate) fn again(&mut self) -> RunFrame<'_> {
         match self {
             Self::Shared(frame) => RunFrame::Shared(frame),
@@ -143,7 +143,7 @@ impl<'a> Passage<'a> {
         let read_later = taken_by(later, plan);
         let mut products = (stage.takes)(plan);
         products.retain(|product| !read_later.contains(product));
-        // Its lengths, unless rays meet the surface later.
+        // Lengths of normals are read once, unless rays meet the surface later.
         let is_last = stage.reads_lengths && plan.specular.is_none();
         let lengths = frame.normal_length.take_if(|_| is_last);
         let normals = take_unread(plan, frame, stage, later, memory);
@@ -167,7 +167,7 @@ impl Runner {
         )
     }
 
-    /// [`Runner::execute`] with observers and the cache of the frame; the same bits, whosever the frame is.
+    /// [`Runner::execute`] with observers and the cache of the frame; the same bits, whoever has the frame.
     ///
     /// # Errors
     /// As [`Runner::execute`]; [`Error::Cancelled`](crate::Error::Cancelled).

@@ -264,7 +264,13 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     }
     dim(batch, scene);
     add_lamps(fma, batch, scene, shading);
-    if let Some(sampled) = sampled {
+    add_samples(batch, scene, shading);
+}
+
+/// Adds highlights of an environment that samples stand for, less what horizons hide of them.
+#[inline(always)]
+fn add_samples(batch: &mut Batch, scene: &Scene, shading: &Shading) {
+    if let Some(sampled) = scene.around.sampled() {
         let hiding = scene.shadows.horizons.as_ref().map(|_| &batch.horizons);
         sampled
             .samples
@@ -301,12 +307,7 @@ fn add_turned(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, al
     if shading.lobes.are_glossy() {
         add_around(fma, batch, scene, shading, &scene.around_lights);
         add_lamps(fma, batch, scene, shading);
-        if let Some(sampled) = sampled {
-            let hiding = scene.shadows.horizons.as_ref().map(|_| &batch.horizons);
-            sampled
-                .samples
-                .add(&batch.pixels, &mut batch.sum, shading, hiding);
-        }
+        add_samples(batch, scene, shading);
         batch.sum.sums.diffuse = Sums::NONE.diffuse;
     }
     let around = match sampled {
