@@ -51,12 +51,12 @@ impl Value for [f32; 2] {
 pub(crate) struct Sample<T> {
     lattice: Lattice,
     values: Vec<T>,
-    looks: Look,
+    looks: SampleLook,
 }
 
 /// The look that a sample takes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-enum Look {
+enum SampleLook {
     First,
     Second,
     #[default]
@@ -76,20 +76,20 @@ pub(crate) trait Looks {
 impl<T: Value> Looks for Sample<T> {
     fn begin(&mut self, extent: &Extent) {
         self.lattice = extent.lattice();
-        self.looks = Look::First;
+        self.looks = SampleLook::First;
     }
 
     fn is_open(&self) -> bool {
-        self.looks != Look::Done
+        self.looks != SampleLook::Done
     }
 
     fn end_look(&mut self) {
         let finer = finer_side(self.lattice.side, self.values.len() as u32);
         self.looks = match self.looks {
-            Look::First if finer < self.lattice.side => Look::Second,
-            _ => Look::Done,
+            SampleLook::First if finer < self.lattice.side => SampleLook::Second,
+            _ => SampleLook::Done,
         };
-        if self.looks == Look::Second {
+        if self.looks == SampleLook::Second {
             self.lattice.side = finer;
             self.values.clear();
         }
