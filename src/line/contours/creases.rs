@@ -4,8 +4,8 @@ use crate::frame::{Frame, Mask, Plane};
 use crate::line::contours::ground::Ground;
 use crate::line::contours::log_depth_of;
 use crate::line::contours::network::{Line, Spot};
-use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::ridge::Bands;
+use crate::line::contours::smoothing::Smoothing;
 use crate::params::ContourParams;
 use rayon::prelude::*;
 

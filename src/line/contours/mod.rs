@@ -25,6 +25,7 @@ pub(crate) mod network;
 pub(crate) mod polyline;
 pub(crate) mod ridge;
 pub(crate) mod round_stroke;
+pub(crate) mod smoothing;
 mod straight;
 
 use crate::frame::Frame;

@@ -1,7 +1,8 @@
 //! Networks of lines: paths that meet at junctions become lines that run through them, or end in one point.
 
 use crate::line::contours::lattice::{Lattice, Path};
-use crate::line::contours::polyline::{Smoothing, length, smoothed};
+use crate::line::contours::polyline::{length, smoothed};
+use crate::line::contours::smoothing::Smoothing;
 use glam::Vec2;
 use rayon::prelude::*;
 

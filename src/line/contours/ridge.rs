@@ -2,7 +2,7 @@
 
 use crate::line::contours::lattice::{Lattice, Path, STEPS};
 use crate::line::contours::network::{self, Line, Spot};
-use crate::line::contours::polyline::Smoothing;
+use crate::line::contours::smoothing::Smoothing;
 use glam::Vec2;
 
 /// Pixels with weights; those above 0 form bands.

@@ -5,7 +5,7 @@ use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
 use crate::line::contours::lattice::{Lattice, Path};
 use crate::line::contours::network;
 use crate::line::contours::network::Line;
-use crate::line::contours::polyline::Smoothing;
+use crate::line::contours::smoothing::Smoothing;
 use crate::params::{ContourParams, ShapeParams};
 use glam::Vec2;
 

@@ -1,7 +1,7 @@
 //! Straight runs of polylines: a line that is nearly level or upright has its steps between pixels so far apart that curves
 //! through a few of them follow the steps.
 
-use super::polyline::{Parabola, Smoothing};
+use super::smoothing::{Parabola, Smoothing};
 use crate::line::smooth_step::smooth_step;
 use glam::Vec2;
 use std::ops::Range;
@@ -73,7 +73,7 @@ pub(super) fn straighten(
 fn runs(points: &[Vec2], shortest: usize, smoothing: Smoothing) -> Vec<Range<usize>> {
     let line = |run: &Range<usize>| Straight::through(&points[run.clone()]);
     let is_straight = |run: &Range<usize>| {
-        let band = 2.0 * smoothing.tolerance * smoothing.step_px;
+        let band = 2.0 * smoothing.tolerance_px();
         run.end <= points.len() && line(run).is_within(band)
     };
     let mut runs = Vec::new();

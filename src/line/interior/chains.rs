@@ -2,8 +2,8 @@
 
 use crate::line::contours::lattice::STEPS;
 use crate::line::contours::network::{Line, Sets, Spot};
-use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::ridge::Bands;
+use crate::line::contours::smoothing::Smoothing;
 use crate::line::interior::crests::Crest;
 use crate::line::interior::fade::supports;
 use crate::line::interior::sizes::Sizes;
