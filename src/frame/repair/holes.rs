@@ -17,7 +17,7 @@ const WIDEST: usize = 3;
 
 /// Number of rows and columns within which a sample can affect the filling of another.
 #[cfg(feature = "cli")]
-pub(crate) const HOLE_REACH: usize = PASSES * WIDEST;
+pub(crate) const HOLE_REACH: usize = PASSES * (WIDEST + 1);
 
 /// Two depths belong to one surface if their relative difference is below this.
 const SAME_SURFACE: f32 = 0.05;
@@ -29,9 +29,12 @@ const SAME_DIRECTION: f64 = 0.9;
 /// missing too.
 const FEWEST_PAIRS: usize = 2;
 
-/// Minimum number of the eight neighbours that must lie on the sample's side of a fold: more than beside a straight
-/// outline.
-const FEWEST_BESIDE: i32 = 4;
+/// Minimum number of the eight neighbours that must show the surface where others show nothing: more than beside a
+/// straight outline.
+const FEWEST_BESIDE: usize = 4;
+
+/// By how much the cosines of angles between a sample's normal and those of one surface differ at most.
+const ALIKE: f64 = 0.1;
 
 /// Minimum length of the sample's normal relative to the mean length of its neighbours' normals.
 const WHOLE: f64 = 0.8;
@@ -39,25 +42,36 @@ const WHOLE: f64 = 0.8;
 /// One neighbour of each pair of opposite ones, as offsets in columns and rows.
 const OPPOSITE: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
+/// A hole, and the depth of the surface there.
+type Hole = ([usize; 2], f32);
+
 /// Fills samples of `depth`, in distances, that are missing or lie behind the surface shown by all their neighbours,
 /// where there is a normal. Returns the number filled.
 ///
 /// In perspective, the inverse depth of a plane is linear in the picture: between neighbours of depths a and b, i and j
 /// pixels away, the depth is (i + j) / (j / a + i / b).
 pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
+    let amid = fill_by_rows(depth, |depth, y| holes_in_row(depth, normal, y));
+    let at_border = fill_border(depth, normal);
+    amid + at_border + fill_by_rows(depth, |depth, y| missing_in_row(depth, normal, y))
+}
+
+/// Fills the holes that are found in each row, again and again while there are any. Returns their number.
+fn fill_by_rows(depth: &mut Plane, holes: impl Fn(&Plane, usize) -> Vec<Hole> + Sync) -> usize {
     let mut filled = 0;
     for _ in 0..PASSES {
-        let found: Vec<_> = (1..depth.height().saturating_sub(1))
+        let here = &*depth;
+        let found: Vec<_> = (0..here.height())
             .into_par_iter()
             .with_max_len(MOST_ROWS_PER_TASK)
-            .flat_map_iter(|y| holes_in_row(depth, normal, y))
+            .flat_map_iter(|y| holes(here, y))
             .collect();
         if found.is_empty() {
             break;
         }
         filled += put(&found, depth);
     }
-    filled + fill_border(depth, normal)
+    filled
 }
 
 /// Fills the holes of the outermost rows and columns, which have neighbours on one side only.
@@ -78,7 +92,7 @@ fn fill_border(depth: &mut Plane, normal: &Vector3Planes) -> usize {
 }
 
 /// Fills holes. Returns their number.
-fn put(found: &[([usize; 2], f32)], depth: &mut Plane) -> usize {
+fn put(found: &[Hole], depth: &mut Plane) -> usize {
     for &([x, y], surface) in found {
         depth.row_mut(y)[x] = surface;
     }
@@ -123,15 +137,23 @@ fn surface_within(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> 
     (resembles(next) && resembles(second) && (farther.is_none() || is_between())).then_some(surface)
 }
 
-/// The holes of row `y`, neither the first nor the last, with the depth of the surface there.
-fn holes_in_row(
-    depth: &Plane,
-    normal: &Vector3Planes,
-    y: usize,
-) -> impl Iterator<Item = ([usize; 2], f32)> {
+/// The holes of row `y` that have neighbours on all sides.
+fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<Hole> {
+    if y == 0 || y + 1 == depth.height() {
+        return Vec::new();
+    }
     let pixels = (1..).zip(depth.row(y).windows(3));
     let holes = pixels.filter(|(_, near)| may_be_hole(near[1], [near[0], near[2]]));
-    holes.filter_map(move |(x, _)| Some(([x, y], surface_of_hole(depth, normal, [x, y])?)))
+    let found = holes.filter_map(|(x, _)| Some(([x, y], surface_of_hole(depth, normal, [x, y])?)));
+    found.collect()
+}
+
+/// The missing samples of row `y` whose surface is seen beside them.
+fn missing_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<Hole> {
+    let row = (0..).zip(depth.row(y));
+    let missing = row.filter(|(_, sample)| !is_distance(**sample));
+    let found = missing.filter_map(|(x, _)| Some(([x, y], surface_beside(depth, normal, [x, y])?)));
+    found.collect()
 }
 
 /// Whether a sample is none, or farther than both neighbours: most are not.
@@ -153,8 +175,7 @@ fn surface_of_hole(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) ->
         true => surface_at(depth, normal, [x, y], 1)
             .filter(|surface| here > (1.0 + SAME_SURFACE) * surface),
         false => surface_at(depth, normal, [x, y], 1)
-            .or_else(|| surface_at(depth, normal, [x, y], WIDEST))
-            .or_else(|| side_of_fold(depth, normal, [x, y])),
+            .or_else(|| surface_at(depth, normal, [x, y], WIDEST)),
     }
 }
 
@@ -208,33 +229,40 @@ fn surface_at(
     (count >= fewest && agree).then(|| sum / count as f32)
 }
 
-/// The mean depth of the neighbours whose normals resemble the pixel's, if enough of them agree and other neighbours
-/// differ. At an outline that ends within the pixel its normal is shorter than theirs: such a pixel is not filled.
-fn side_of_fold(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> Option<f32> {
+/// The depth of the surface beside a missing sample that its normal resembles most: the mean of the neighbours that show
+/// it. Three of four neighbours must have depth. Where one shows nothing the pixel may show nothing too: there four
+/// neighbours must show the surface, and the sample's normal must be about as long as theirs.
+fn surface_beside(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> Option<f32> {
     let here = direction(normal, x, y)?;
     let around = OPPOSITE
         .iter()
         .flat_map(|&[dx, dy]| [[dx, dy], [-dx, -dy]])
-        .map(|[dx, dy]| [x.wrapping_add_signed(dx), y.wrapping_add_signed(dy)]);
-    let (mut count, mut has_unlike) = (0, false);
-    let (mut inverse, mut length) = (0.0, 0.0);
-    let (mut least, mut most) = (f32::INFINITY, 0.0f32);
-    for [column, row] in around {
-        let sample = depth.at(column, row);
-        match direction(normal, column, row) {
-            Some(n) if n.dot(here) <= SAME_DIRECTION => has_unlike = true,
-            Some(_) if is_distance(sample) => {
-                count += 1;
-                inverse += sample.recip();
-                length += normal.at(column, row).length();
-                (least, most) = (least.min(sample), most.max(sample));
-            }
-            _ => {}
+        .map(|[dx, dy]| [x.wrapping_add_signed(dx), y.wrapping_add_signed(dy)])
+        .filter(|&[x, y]| x < depth.width() && y < depth.height());
+    let (mut count, mut is_amid) = (0, true);
+    let mut shown = Vec::with_capacity(8);
+    for at @ [x, y] in around {
+        count += 1;
+        let sample = depth.at(x, y);
+        match direction(normal, x, y) {
+            Some(n) if is_distance(sample) => shown.push((at, n.dot(here), sample)),
+            Some(_) => {}
+            None => is_amid = false,
         }
     }
-    let is_whole = normal.at(x, y).length() * f64::from(count) > WHOLE * length;
-    let agree = most <= (1.0 + SAME_SURFACE) * least;
-    (has_unlike && count >= FEWEST_BESIDE && is_whole && agree).then(|| count as f32 / inverse)
+    let is_surrounded = 4 * shown.len() >= 3 * count;
+    let &(_, best, of_best) = shown.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    shown.retain(|&(_, cosine, sample)| {
+        cosine > best - ALIKE && (sample / of_best - 1.0).abs() <= SAME_SURFACE
+    });
+    let lengths = shown.iter().map(|([x, y], ..)| normal.at(*x, *y).length());
+    let length = lengths.sum::<f64>() / shown.len() as f64;
+    let is_shown = match is_amid {
+        true => is_surrounded,
+        false => shown.len() >= FEWEST_BESIDE && normal.at(x, y).length() > WHOLE * length,
+    };
+    let inverses = shown.iter().map(|(.., sample)| sample.recip());
+    is_shown.then(|| shown.len() as f32 / inverses.sum::<f32>())
 }
 
 /// The unit normal of a pixel, where it has one.
@@ -304,8 +332,10 @@ mod tests {
         // Larger ones, stripes, and those at the end of a normal stay.
         let slit = |x: usize, _: usize| (9..11).contains(&x);
         let mut outline = folded();
-        // A pixel of the left side that its surface covers by half.
+        // A pixel of the left side that its surface covers by half, beside one that shows nothing.
         outline.z.row_mut(9)[11] = 0.5;
+        outline.x.row_mut(9)[12] = 0.0;
+        outline.z.row_mut(9)[12] = 0.0;
         let half = |x: usize, y: usize| (x, y) == (11, 9);
         let is_hole: [&dyn Fn(usize, usize) -> bool; 3] = [&clusters(6), &slit, &half];
         let normals = [facing(), facing(), outline];
@@ -331,17 +361,19 @@ mod tests {
     }
 
     #[test]
-    fn beside_a_fold_neighbours_on_the_same_side_are_taken() {
-        let depth_of = |x: usize| if x < 12 { 5.0 } else { 5.1 };
-        let is_hole = |x: usize, y: usize| (11..13).contains(&x) && y % 4 == 2;
-        let mut depth = Plane::from_fn(SIZE, SIZE, |x, y| match is_hole(x, y) {
-            true => f32::INFINITY,
-            false => depth_of(x),
-        });
-        assert_eq!(fill(&mut depth, &folded()), 12);
-        for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
-            let error = depth.at(x, y) / depth_of(x) - 1.0;
-            assert!(error.abs() < 1e-6, "at {x}, {y}: {error}");
+    fn along_a_fold_or_an_outline_a_sample_is_of_the_side_it_resembles() {
+        for behind in [5.1, 9.0] {
+            let depth_of = |x: usize| if x < 12 { 5.0 } else { behind };
+            let is_hole = |x: usize, y: usize| (11..13).contains(&x) && y % 4 == 2;
+            let mut depth = Plane::from_fn(SIZE, SIZE, |x, y| match is_hole(x, y) {
+                true => f32::INFINITY,
+                false => depth_of(x),
+            });
+            assert_eq!(fill(&mut depth, &folded()), 12);
+            for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
+                let error = depth.at(x, y) / depth_of(x) - 1.0;
+                assert!(error.abs() < 1e-6, "{behind} at {x}, {y}: {error}");
+            }
         }
     }
 
