@@ -1,9 +1,10 @@
-//! Clutter: fur, leaves and fog, whose silhouettes lie closer together than a drawing can tell apart.
+//! Clutter: fur, leaves and fog, whose silhouettes lie closer together than a drawing can tell apart, and specks of a pixel
+//! or two, as are left where alpha cut a leaf out.
 //!
 //! Practice: a draughtsman gives such a thing one outline and the tone of its mass. So each of its pixels becomes the mean
 //! of those around it that are about as far away as most of them.
 
-use super::enlarged::samples;
+use super::enlarged::{around_pixel, samples};
 use super::gap::of_frame::is_beside;
 use super::gap::scale::GapScale;
 use super::{Frame, Mask, Plane};
@@ -46,12 +47,35 @@ impl Frame {
         let size = self.display_window.size_px();
         let reach = ((REACH * size).round() as usize).max(LEAST_REACH);
         let dense = share_around(&is_at_silhouette, reach).map(|share| share > DENSE);
-        if !dense.samples().contains(&true) {
+        let mut is_clutter = share_around(&dense, reach).map(|share| share > BETWEEN);
+        let scale = GapScale::of(self, ShapeParams::default().silhouette);
+        let specks = specks(depth, &self.mask, &scale);
+        is_clutter.each_with(&specks, |own, is_speck| *own |= is_speck);
+        if !is_clutter.samples().contains(&true) {
             return None;
         }
-        let is_clutter = share_around(&dense, reach).map(|share| share > BETWEEN);
-        Some(Masses::new(self, depth, is_clutter).averaged())
+        Some(Masses::new(self, (depth, scale), is_clutter).averaged())
     }
+}
+
+/// Covered pixels that have none, or one that has no other, within a column and a row that is about as far away.
+fn specks(depth: &Plane, mask: &Mask, scale: &GapScale) -> Plane<bool> {
+    let size = [depth.width(), depth.height()];
+    let alike = |at @ [x, y]: [usize; 2]| {
+        around_pixel(at, size, 2).filter(move |&[i, k]| {
+            mask.at(i, k) && is_of_one_mass(scale, [depth.at(x, y), depth.at(i, k)])
+        })
+    };
+    Plane::of_pixels(size[0], size[1], |x, y| {
+        let mut beside = alike([x, y]);
+        let is_alone = |other| alike(other).nth(1).is_none();
+        mask.at(x, y) && beside.next().is_none_or(is_alone) && beside.next().is_none()
+    })
+}
+
+/// Whether two depths are about as far as each other.
+fn is_of_one_mass(scale: &GapScale, depths: [f32; 2]) -> bool {
+    scale.jump_px(depths, 0) < DEEP * scale.side
 }
 
 /// The share of pixels within so many columns and rows that are set; beyond the picture none is.
@@ -91,13 +115,17 @@ struct Masses<'a> {
 }
 
 impl<'a> Masses<'a> {
-    fn new(frame: &'a Frame, depth: &'a Plane, is_clutter: Plane<bool>) -> Self {
+    fn new(
+        frame: &'a Frame,
+        (depth, scale): (&'a Plane, GapScale),
+        is_clutter: Plane<bool>,
+    ) -> Self {
         let radius = (MASS * frame.display_window.size_px()).round().max(1.0) as usize;
         let step = radius.div_ceil(MOST_STEPS);
         let mut masses = Self {
             frame,
             depth,
-            scale: GapScale::of(frame, ShapeParams::default().silhouette),
+            scale,
             step,
             steps: radius / step,
             middle: Plane::default(),
@@ -174,8 +202,8 @@ impl<'a> Masses<'a> {
             return plane.at(x, y);
         }
         let is_of_mass = |[x, y]: &[usize; 2]| {
-            let jump = self.scale.jump_px([middle, self.depth.at(*x, *y)], 0);
-            self.frame.mask.at(*x, *y) && jump < DEEP * self.scale.side
+            let depths = [middle, self.depth.at(*x, *y)];
+            self.frame.mask.at(*x, *y) && is_of_one_mass(&self.scale, depths)
         };
         let values = self.around([x, y]).filter(is_of_mass);
         let add = |(sum, count), [x, y]: [usize; 2]| (sum + plane.at(x, y), count + 1.0);
@@ -235,6 +263,28 @@ mod tests {
         let [before, after] = [&frame, &calm].map(|frame| far(frame, 110..190));
         assert!(before > 1_000 && 20 * after < before, "{before} {after}");
         assert_eq!(far(&calm, 10..90), 0);
+    }
+
+    #[test]
+    fn specks_become_what_is_around_them() {
+        let mut frame = thicket(0);
+        let depth = frame.depth.as_mut().expect("the frame has depth");
+        depth.row_mut(50)[30] = 1.0;
+        depth.row_mut(90)[60..62].fill(1.0);
+        depth.row_mut(90)[120..123].fill(1.0);
+        // A wire.
+        for i in 0..30 {
+            depth.row_mut(100 + i)[20 + i] = 1.0;
+        }
+        let calm = frame.calmed(&borders(&frame)).expect("there are specks");
+        let depth = calm.depth.expect("the frame has depth");
+        let rest: Vec<usize> = (0..depth.samples().len())
+            .filter(|&i| depth.samples()[i] != 2.0)
+            .collect();
+        // Three in a row are a thing.
+        let wire = (0..30).map(|i| (100 + i) * 200 + 20 + i);
+        let kept: Vec<usize> = (0..3).map(|i| 90 * 200 + 120 + i).chain(wire).collect();
+        assert_eq!(rest, kept);
     }
 
     #[test]
