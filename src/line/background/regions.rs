@@ -6,7 +6,7 @@ use std::collections::HashMap;
 /// Distances of cells, in cells, from the nearest one of a region; infinite beyond `most`.
 pub(super) fn distances(region: &Plane<bool>, most: f32) -> Plane {
     let (width, height) = (region.width(), region.height());
-    // Along columns first: the least sum of squares over a row is that over the picture.
+    // Along columns first: the least sum of squares over a row is that over the picture. All are whole numbers, and exact.
     let mut along = Plane::filled(width, height, f32::INFINITY);
     for rows in [true, false] {
         for step in 0..height {
@@ -24,22 +24,58 @@ pub(super) fn distances(region: &Plane<bool>, most: f32) -> Plane {
             }
         }
     }
-    Plane::of_pixels(width, height, |x, y| {
-        let along = along.row(y);
-        let mut least = along[x] * along[x];
-        let mut by = 1;
-        while ((by * by) as f32) < least && by as f32 <= most {
-            let beside = [x.checked_sub(by), Some(x + by).filter(|&x| x < width)];
-            for x in beside.into_iter().flatten() {
-                least = least.min(along[x] * along[x] + (by * by) as f32);
+    Plane::of_rows(width, height, |y, row| {
+        let lowest = lowest_distances(along.row(y), most);
+        let mut after = lowest.iter().skip(1).peekable();
+        let Some(mut here) = lowest.first() else {
+            return row.fill(f32::INFINITY);
+        };
+        for (x, distance) in row.iter_mut().enumerate() {
+            while let Some(next) = after.next_if(|next| next.from <= x as f32) {
+                here = next;
             }
-            by += 1;
-        }
-        match least <= most * most {
-            true => least.sqrt(),
-            false => f32::INFINITY,
+            let across = x.abs_diff(here.place) as f32;
+            let square = here.height * here.height + across * across;
+            *distance = match square <= most * most {
+                true => square.sqrt(),
+                false => f32::INFINITY,
+            };
         }
     })
+}
+
+/// The parabola of squared distances from a cell of a row, across it from the nearest one of a region in its column.
+struct CellDistance {
+    place: usize,
+    height: f32,
+    /// From where on it is the lowest.
+    from: f32,
+}
+
+/// The parabolas of a row that are the lowest anywhere, from left to right [Felzenszwalb and Huttenlocher 2012, Distance
+/// Transforms of Sampled Functions, section 2.1].
+fn lowest_distances(heights: &[f32], most: f32) -> Vec<CellDistance> {
+    let mut lowest: Vec<CellDistance> = Vec::new();
+    let near = heights.iter().enumerate();
+    for (place, &height) in near.filter(|(_, height)| **height <= most) {
+        let constant = |place: usize, height: f32| (place * place) as f32 + height * height;
+        let mut from = f32::NEG_INFINITY;
+        while let Some(last) = lowest.last() {
+            let higher = constant(place, height) - constant(last.place, last.height);
+            let meet = 0.5 * higher / (place - last.place) as f32;
+            if meet > last.from {
+                from = meet;
+                break;
+            }
+            lowest.pop();
+        }
+        lowest.push(CellDistance {
+            place,
+            height,
+            from,
+        });
+    }
+    lowest
 }
 
 /// A region with all cells within a distance of it.
@@ -106,4 +142,31 @@ fn kept_pieces(region: &Plane<bool>, keeps: impl Fn(usize, usize) -> bool) -> Pl
         let (on_border, count) = sizes[&piece[y * width + x]];
         region.at(x, y) && keeps(on_border, count)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::random::Random;
+
+    #[test]
+    fn distances_are_those_to_the_nearest_cell() {
+        let mut random = Random::new(1);
+        for share in [0.0, 0.002, 0.02, 0.3, 1.0] {
+            let region = Plane::from_fn(61, 47, |_, _| random.unit() < share);
+            let found = distances(&region, 20.0);
+            let cells: Vec<[usize; 2]> = (0..47)
+                .flat_map(|y| (0..61).map(move |x| [x, y]))
+                .filter(|&[x, y]| region.at(x, y))
+                .collect();
+            for (x, y) in (0..47_usize).flat_map(|y| (0..61_usize).map(move |x| (x, y))) {
+                let square = |&[i, k]: &[usize; 2]| x.abs_diff(i).pow(2) + y.abs_diff(k).pow(2);
+                let least = cells.iter().map(square).min();
+                let expected = least
+                    .filter(|&square| square <= 400)
+                    .map_or(f32::INFINITY, |square| (square as f32).sqrt());
+                assert_eq!(found.at(x, y), expected, "{share} at {x}, {y}");
+            }
+        }
+    }
 }
