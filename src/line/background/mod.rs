@@ -82,15 +82,19 @@ struct DepthCells {
     depth: Plane,
 }
 
+/// What is in the middles of cells of pixels.
+fn middles<T: Copy>(pixels: &Plane, step: usize, sample: impl Fn(usize, usize) -> T) -> Plane<T> {
+    let [width, height] = [pixels.width(), pixels.height()];
+    let place = |at: usize, length: usize| (at * step + step / 2).min(length - 1);
+    Plane::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
+        sample(place(x, width), place(y, height))
+    })
+}
+
 impl DepthCells {
     /// The depth in the middles of cells where it is known.
     fn of(frame: &Frame, depth: &Plane, step: usize) -> Self {
-        let [width, height] = [depth.width(), depth.height()];
-        let depth = Plane::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
-            let [x, y] = [
-                (x * step + step / 2).min(width - 1),
-                (y * step + step / 2).min(height - 1),
-            ];
+        let depth = middles(depth, step, |x, y| {
             match frame.mask.at(x, y) && depth.at(x, y).is_finite() {
                 true => depth.at(x, y),
                 false => f32::NAN,
@@ -163,7 +167,13 @@ impl Backdrop {
         // Enlarged pixels may be steps, half of them on either side of the plane, beside a pixel's own middle.
         let same = 0.5 * (factor.clamp(1.0, MOST_ENLARGED) + 1.0) / step as f32;
         let (linear, fits) = fitted(&cells, frame, same)?;
-        let planes = cells.planes(&fits, size);
+        let mut planes = cells.planes(&fits, size);
+        if let Some(objects) = &frame.objects {
+            leave_to_objects(
+                &mut planes,
+                &middles(objects, step, |x, y| objects.at(x, y)),
+            );
+        }
         let behind = planes.map(|plane| plane > 0);
         if count(&behind) > ALL_PLANES * cells.mask.count() as f32 {
             return None;
@@ -229,6 +239,24 @@ impl Backdrop {
         let there = around.map(|way| self.planes.nearest(at + reach * way));
         there[0] > 0 && there.iter().all(|&plane| plane == there[0])
     }
+}
+
+/// Takes from planes what they have of objects, whose numbers these are by cell, that lie in none for the most part: the
+/// foot of what stands on one.
+fn leave_to_objects(planes: &mut Plane<u8>, objects: &Plane) {
+    let most = objects.samples().iter().fold(0.0, |a: f32, &b| a.max(b));
+    let mut cells = vec![[0; 2]; most as usize + 1];
+    for (&object, &plane) in objects.samples().iter().zip(planes.samples()) {
+        cells[object as usize][usize::from(plane > 0)] += 1;
+    }
+    planes.each_with(objects, |plane, object| {
+        let [apart, inside] = cells[object as usize];
+        *plane = if object > 0.0 && apart > inside {
+            0
+        } else {
+            *plane
+        };
+    });
 }
 
 /// A plane, and the cells in it.
@@ -319,5 +347,29 @@ mod tests {
         }
         let level = even.level(Vec2::new(20.0, 200.0));
         assert!(level.is_some_and(|level| level.y.abs() < 1e-6));
+    }
+
+    #[test]
+    fn the_foot_of_an_object_is_its_own() {
+        let is_card = |x: usize, y: usize| (220..280).contains(&x) && (120..200).contains(&y);
+        let mut frame = floor_with_ball(0.0);
+        let depth = frame.depth.as_mut().expect("the frame has depth");
+        // Upright: as far all over as the floor where it stands.
+        depth.each_row(|y, row| {
+            for x in (0..320).filter(|&x| is_card(x, y)) {
+                row[x] = 300.0 / 160.0;
+            }
+        });
+        let taken = |frame: &Frame| {
+            let planes = Backdrop::of(frame, 1.0).expect("there is a floor");
+            let card = (120..200).flat_map(|y| (220..280).map(move |x| (x, y)));
+            card.filter(|&(x, y)| planes.plane(x, y).is_some()).count()
+        };
+        // Its last row is the floor's depth within a third of a percent.
+        assert!(taken(&frame) >= 60);
+        frame.objects = Some(Plane::from_fn(320, 240, |x, y| {
+            if is_card(x, y) { 2.0 } else { 1.0 }
+        }));
+        assert_eq!(taken(&frame), 0);
     }
 }
