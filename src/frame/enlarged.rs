@@ -125,6 +125,8 @@ pub(super) struct Enlarger<'a> {
     factor: f64,
     /// Whether a silhouette lies between a pixel and the next to the right, and the one below; without depth there is none.
     parted: Option<Plane<[bool; 2]>>,
+    /// Whether a pixel and those to the right, below, and below to the right are of one surface: nearly everywhere.
+    is_even: Plane<bool>,
     goes_on: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -132,12 +134,31 @@ impl<'a> Enlarger<'a> {
     /// Enlarges planes of `frame` so many times.
     pub(super) fn new(frame: &'a Frame, factor: f64) -> Self {
         let parted = parted(frame, ShapeParams::default().silhouette);
-        Self {
+        let mut enlarger = Self {
             frame,
             factor,
             parted,
+            is_even: Plane::default(),
             goes_on: &|| true,
-        }
+        };
+        enlarger.is_even = enlarger.even();
+        enlarger
+    }
+
+    fn even(&self) -> Plane<bool> {
+        let mask = &self.frame.mask;
+        Plane::of_pixels(mask.width(), mask.height(), |x, y| {
+            let [right, below] = [
+                (x + 1).min(mask.width() - 1),
+                (y + 1).min(mask.height() - 1),
+            ];
+            let is_parted = self.parted.as_ref().is_some_and(|parted| {
+                let [across, down] = parted.at(x, y);
+                across || down || parted.at(x, below)[0] || parted.at(right, y)[1]
+            });
+            let corners = [[x, y], [right, y], [x, below], [right, below]];
+            !is_parted && corners.iter().all(|&[x, y]| mask.at(x, y))
+        })
     }
 
     /// A plane that goes with the frame, enlarged; `outside` where the frame shows nothing.
@@ -161,8 +182,9 @@ impl<'a> Enlarger<'a> {
         let across = Side::new([data.x0, display.x0], data.width(), self.factor);
         let down = Side::new([data.y0, display.y0], data.height(), self.factor);
         let window = enlarged(data, display, self.factor);
+        let columns: Vec<Place> = (0..window.width()).map(|x| across.place(x)).collect();
         samples([window.width(), window.height()], self.goes_on, |x, y| {
-            sample(self.around(across.place(x), down.place(y)))
+            sample(self.around(columns[x], down.place(y)))
         })
     }
 
@@ -177,14 +199,16 @@ impl<'a> Enlarger<'a> {
             ([left, below], (1.0 - across) * down),
             ([right, below], across * down),
         ];
-        for ([x, y], weight) in &mut samples {
-            *weight *= f32::from(u8::from(self.frame.mask.at(*x, *y)));
+        if !self.is_even.at(left, above) {
+            for ([x, y], weight) in &mut samples {
+                *weight *= f32::from(u8::from(self.frame.mask.at(*x, *y)));
+            }
+            let covered: f32 = samples.iter().map(|(_, weight)| weight).sum();
+            if covered < 0.5 {
+                return None;
+            }
+            self.keep_one_surface(&mut samples);
         }
-        let covered: f32 = samples.iter().map(|(_, weight)| weight).sum();
-        if covered < 0.5 {
-            return None;
-        }
-        self.keep_one_surface(&mut samples);
         let sum: f32 = samples.iter().map(|(_, weight)| weight).sum();
         samples.iter_mut().for_each(|(_, weight)| *weight /= sum);
         Some(samples)
@@ -192,11 +216,6 @@ impl<'a> Enlarger<'a> {
 
     /// Removes the weight of samples from surfaces other than the one with most of the weight.
     fn keep_one_surface(&self, samples: &mut Around) {
-        // Nearly everywhere.
-        let [first, .., last] = *samples;
-        if !self.is_parted_between(first.0, last.0) {
-            return;
-        }
         let weights = samples.map(|(of, _)| -> f32 {
             let same = samples
                 .iter()
@@ -204,21 +223,12 @@ impl<'a> Enlarger<'a> {
             same.map(|(_, weight)| weight).sum()
         });
         let most = (0..4).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-        let kept = most.map_or(first.0, |most| samples[most].0);
+        let kept = most.map_or(samples[0].0, |most| samples[most].0);
         for (at, weight) in samples.iter_mut() {
             if !self.is_one_surface(kept, *at) {
                 *weight = 0.0;
             }
         }
-    }
-
-    /// Whether a silhouette lies anywhere between the four pixels of a square, given its first and last.
-    fn is_parted_between(&self, [left, above]: [usize; 2], [right, below]: [usize; 2]) -> bool {
-        let Some(parted) = &self.parted else {
-            return false;
-        };
-        let [across, down] = parted.at(left, above);
-        across || down || parted.at(left, below)[0] || parted.at(right, above)[1]
     }
 
     /// Whether two pixels within one column and one row of each other belong to one surface: whether one of the ways from
