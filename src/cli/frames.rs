@@ -10,7 +10,7 @@ use super::panics::caught;
 use super::progress::{SequenceProgress, Status};
 use super::run_log::RunLog;
 use super::stop::{self, First};
-use super::threads::{Lanes, on_threads};
+use super::threads::{FrameThreads, on_threads};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
@@ -179,7 +179,7 @@ fn sequence(task: &Task, frames: &[i32], make: Make) -> Result<i32> {
     };
     let in_memory = args.run.max_memory.bytes() / args.frame_bytes(&first.input).max(1);
     let free_to_use_more = args.run.compute.threads.is_none();
-    Lanes::of(frames.len(), in_memory, free_to_use_more).each(|| run.make_frames());
+    FrameThreads::of(frames.len(), in_memory, free_to_use_more).each(|| run.make_frames());
     let failed = run.failed.load(Ordering::Relaxed);
     let tally = log.end(quiet);
     Ok(match stop::asked() {
@@ -204,14 +204,14 @@ fn choose(task: &Task, samples: &[i32], make: Make) -> Result<Chosen> {
 }
 
 /// The frames that have to be made.
-struct Making {
+struct FramesToMake {
     /// By frame: whether the output exists and is complete.
     is_there: Vec<bool>,
     /// From this frame on all outputs exist, so none needs the frames before.
     last_needed: usize,
 }
 
-fn making(command: &Command, frames: &[i32]) -> Making {
+fn making(command: &Command, frames: &[i32]) -> FramesToMake {
     let there = |&frame: &i32| {
         let command = command.of_frame(Some(frame));
         let args = command.work().args();
@@ -221,7 +221,7 @@ fn making(command: &Command, frames: &[i32]) -> Making {
     };
     let is_there: Vec<bool> = frames.iter().map(there).collect();
     let last_needed = is_there.iter().rposition(|there| !there);
-    Making {
+    FramesToMake {
         last_needed: last_needed.map_or(0, |last| last + 1),
         is_there,
     }
@@ -236,7 +236,7 @@ struct Sequence<'a> {
     frames: &'a [i32],
     next: AtomicUsize,
     failed: AtomicBool,
-    making: Making,
+    making: FramesToMake,
     /// Directories without leftovers of killed runs.
     swept: Mutex<BTreeSet<PathBuf>>,
 }

@@ -29,7 +29,7 @@ impl Job<'_> {
 
     /// Refuses lines that are not finite.
     pub(super) fn check_lines(&self, drawing: &svg::LinePage) -> Result<()> {
-        let is_finite = |(points, widths): &svg::Line| {
+        let is_finite = |(points, widths): &svg::SvgLine| {
             points.iter().all(|p| p.is_finite()) && widths.iter().all(|width| width.is_finite())
         };
         let mut layers = drawing.layers.iter();

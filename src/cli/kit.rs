@@ -24,11 +24,11 @@ pub(super) struct Kit {
     pub(super) warning: Option<String>,
     /// The surroundings of a frame before, and their file.
     surroundings: Mutex<Option<(PathBuf, Arc<Surroundings>)>>,
-    course: Mutex<Course>,
+    course: Mutex<CarriedState>,
 }
 
 /// State carried over from the frame before.
-struct Course {
+struct CarriedState {
     steps: Steps,
     /// Where the texture of strokes lay.
     coordinates: Option<TextureCoordinates>,
@@ -44,7 +44,7 @@ impl Kit {
             light,
             warning,
             surroundings: Mutex::default(),
-            course: Mutex::new(Course {
+            course: Mutex::new(CarriedState {
                 steps: Steps::new(convention),
                 coordinates: None,
             }),

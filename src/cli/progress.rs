@@ -56,13 +56,13 @@ impl Tally {
 
 /// Shows the progress of a sequence.
 pub(super) struct SequenceProgress {
-    shown: Shown,
+    shown: ShownProgress,
     total: usize,
     started: Instant,
     tally: Mutex<Tally>,
 }
 
-enum Shown {
+enum ShownProgress {
     Bar(ProgressBar),
     Plain,
     Json,
@@ -72,14 +72,14 @@ enum Shown {
 impl SequenceProgress {
     pub(super) fn begin(arg: ProgressArg, quiet: bool, total: usize) -> Self {
         let shown = match arg {
-            ProgressArg::None => Shown::Nothing,
-            ProgressArg::Json => Shown::Json,
-            _ if quiet => Shown::Nothing,
-            ProgressArg::Plain => Shown::Plain,
-            ProgressArg::Auto if !std::io::stderr().is_terminal() => Shown::Plain,
-            ProgressArg::Auto | ProgressArg::Bar => Shown::Bar(bar(total)),
+            ProgressArg::None => ShownProgress::Nothing,
+            ProgressArg::Json => ShownProgress::Json,
+            _ if quiet => ShownProgress::Nothing,
+            ProgressArg::Plain => ShownProgress::Plain,
+            ProgressArg::Auto if !std::io::stderr().is_terminal() => ShownProgress::Plain,
+            ProgressArg::Auto | ProgressArg::Bar => ShownProgress::Bar(bar(total)),
         };
-        if let Shown::Json = shown {
+        if let ShownProgress::Json = shown {
             event(&json!({ "event": "begin", "total": total }));
         }
         Self {
@@ -104,12 +104,12 @@ impl SequenceProgress {
         let left = left * (total - finished) as f64;
         let (seconds, name) = (took.as_secs_f64(), status.name());
         match &self.shown {
-            Shown::Nothing => {}
-            Shown::Bar(bar) => bar.set_position(finished as u64),
-            Shown::Plain => say(&format!(
+            ShownProgress::Nothing => {}
+            ShownProgress::Bar(bar) => bar.set_position(finished as u64),
+            ShownProgress::Plain => say(&format!(
                 "[{finished}/{total}] {what}: {name}, {seconds:.2} s, {left:.0} s left"
             )),
-            Shown::Json => {
+            ShownProgress::Json => {
                 let mut ended = json!({
                     "event": "frame", "frame": frame, "status": name, "finished": finished,
                     "total": total, "seconds": seconds, "eta_seconds": left,
@@ -125,7 +125,7 @@ impl SequenceProgress {
     /// Prints a line other than progress, above the bar if there is one.
     pub(super) fn say(&self, line: &str) {
         match &self.shown {
-            Shown::Bar(bar) => bar.suspend(|| say(line)),
+            ShownProgress::Bar(bar) => bar.suspend(|| say(line)),
             _ => say(line),
         }
     }
@@ -143,14 +143,14 @@ impl SequenceProgress {
             failed,
         } = &tally;
         match &self.shown {
-            Shown::Bar(bar) => bar.finish_and_clear(),
-            Shown::Json => event(&json!({
+            ShownProgress::Bar(bar) => bar.finish_and_clear(),
+            ShownProgress::Json => event(&json!({
                 "event": "end", "done": done, "skipped": skipped, "missing": missing,
                 "failed": failed.len(),
             })),
-            Shown::Plain | Shown::Nothing => {}
+            ShownProgress::Plain | ShownProgress::Nothing => {}
         }
-        if !quiet && !matches!(self.shown, Shown::Json) {
+        if !quiet && !matches!(self.shown, ShownProgress::Json) {
             say(&in_words(&tally, self.total, self.started.elapsed()));
         }
         tally

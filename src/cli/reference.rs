@@ -46,7 +46,7 @@ fn the_reference_of_the_guide_is_fresh() {
 /// The page in Markdown.
 fn page() -> String {
     let options = options();
-    let mut page = Page(String::new());
+    let mut page = ReferencePage(String::new());
     page.say(
         "# Reference\n\n\
          Everything that the program has, from its own tables. The other chapters say what to do with it.",
@@ -63,7 +63,7 @@ fn page() -> String {
         page.say(&format!("### {section}"));
         let of_section = options.iter().filter(|option| option.section() == section);
         let head = ["option", "values", "default", "commands", "what it does"];
-        page.table(&head, of_section.map(Row::cells));
+        page.table(&head, of_section.map(ArgumentRow::cells));
     }
     page.say(&recipe_keys(&options));
     page.say(
@@ -92,9 +92,9 @@ fn page() -> String {
     page.0
 }
 
-struct Page(String);
+struct ReferencePage(String);
 
-impl Page {
+impl ReferencePage {
     /// A paragraph or a heading.
     fn say(&mut self, text: &str) {
         let space = if self.0.is_empty() { "" } else { "\n" };
@@ -130,21 +130,22 @@ fn commands() -> impl Iterator<Item = [String; 2]> {
 }
 
 /// An argument, and the commands that have it with the same meaning.
-struct Row {
+struct ArgumentRow {
     arg: &'static Arg,
     commands: Vec<&'static str>,
 }
 
 /// All arguments, in the order of the commands.
-fn options() -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
+fn options() -> Vec<ArgumentRow> {
+    let mut rows: Vec<ArgumentRow> = Vec::new();
     for command in program().get_subcommands() {
         for arg in command.get_arguments().filter(|arg| !arg.is_hide_set()) {
-            let same =
-                |row: &&mut Row| row.arg.get_id() == arg.get_id() && help(row.arg) == help(arg);
+            let same = |row: &&mut ArgumentRow| {
+                row.arg.get_id() == arg.get_id() && help(row.arg) == help(arg)
+            };
             match rows.iter_mut().find(same) {
                 Some(row) => row.commands.push(command.get_name()),
-                None => rows.push(Row {
+                None => rows.push(ArgumentRow {
                     arg,
                     commands: vec![command.get_name()],
                 }),
@@ -155,7 +156,7 @@ fn options() -> Vec<Row> {
 }
 
 /// The headings of help, files and arguments first.
-fn sections(rows: &[Row]) -> Vec<&'static str> {
+fn sections(rows: &[ArgumentRow]) -> Vec<&'static str> {
     let mut sections = Vec::new();
     for row in rows {
         if !sections.contains(&row.section()) {
@@ -165,7 +166,7 @@ fn sections(rows: &[Row]) -> Vec<&'static str> {
     sections
 }
 
-impl Row {
+impl ArgumentRow {
     fn section(&self) -> &'static str {
         match self.arg.get_help_heading() {
             _ if self.arg.is_positional() => "Arguments",
@@ -298,8 +299,8 @@ fn explained(word: &Choice) -> Option<String> {
     (!text.is_empty()).then(|| format!("`{}`: {text}", word.name))
 }
 
-fn recipe_keys(rows: &[Row]) -> String {
-    let of_recipes = |row: &&Row| row.commands.iter().any(|name| COMMANDS.contains(name));
+fn recipe_keys(rows: &[ArgumentRow]) -> String {
+    let of_recipes = |row: &&ArgumentRow| row.commands.iter().any(|name| COMMANDS.contains(name));
     let left_out = rows.iter().filter(of_recipes);
     let left_out = left_out.filter(|row| !is_setting(row.arg));
     let left_out = left_out.filter_map(|row| row.arg.get_long());

@@ -58,12 +58,12 @@ impl RunLog {
 /// Lets parallel frames pass one point in their order.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
-    passed: Mutex<Passed>,
+    passed: Mutex<PassedFrame>,
     changed: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct Passed {
+struct PassedFrame {
     /// All frames below this number have finished.
     below: usize,
     /// Others that have.
@@ -89,7 +89,7 @@ impl Turns {
         if index >= passed.below {
             passed.beyond.insert(index);
         }
-        let Passed { below, beyond } = &mut *passed;
+        let PassedFrame { below, beyond } = &mut *passed;
         while beyond.remove(below) {
             *below += 1;
         }
@@ -97,7 +97,7 @@ impl Turns {
         self.changed.notify_all();
     }
 
-    fn passed(&self) -> MutexGuard<'_, Passed> {
+    fn passed(&self) -> MutexGuard<'_, PassedFrame> {
         self.passed.lock().expect("nothing panics here")
     }
 }

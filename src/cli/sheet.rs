@@ -8,7 +8,7 @@ use super::make::make;
 use super::panics::caught;
 use super::progress::cells_bar;
 use super::run_log::RunLog;
-use super::threads::Lanes;
+use super::threads::FrameThreads;
 use crate::command::grid::CellSize;
 use crate::command::invocation::Task;
 use crate::error::{Result, bad};
@@ -57,7 +57,7 @@ fn make_sheet(task: &Task, grid: CellSize) -> Result<()> {
     let cells = sheet.cells();
     let bar = cells_bar(&args.run, cells.len());
     let (next, failed) = (AtomicUsize::new(0), OnceLock::new());
-    Lanes::of(cells.len(), u64::MAX, false).each(|| {
+    FrameThreads::of(cells.len(), u64::MAX, false).each(|| {
         while let Some(&cell) = cells.get(next.fetch_add(1, Ordering::Relaxed)) {
             let job = part(task, Some(cell));
             match caught(&args.input, || make(&kit, &job)) {

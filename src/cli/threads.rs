@@ -70,11 +70,11 @@ fn room_for_stacks() -> u64 {
 }
 
 /// Frames made in parallel, with the threads of each.
-pub(super) struct Lanes {
+pub(super) struct FrameThreads {
     threads: Vec<usize>,
 }
 
-impl Lanes {
+impl FrameThreads {
     /// One lane for each pair of threads, at least two, as far as memory allows: the single-threaded parts of a frame,
     /// such as reading and compressing, then overlap with the work of another. `in_memory` frames fit. `and_one_more`
     /// works while others wait until their frames are on disk.
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn one_lane_more_has_as_many_threads_as_others_and_takes_none_from_them() {
         let lanes = |threads, frames, in_memory, more| {
-            pool_of(threads).install(|| Lanes::of(frames, in_memory, more).threads)
+            pool_of(threads).install(|| FrameThreads::of(frames, in_memory, more).threads)
         };
         assert_eq!(lanes(2, 9, 9, false), [1, 1]);
         assert_eq!(lanes(2, 9, 9, true), [1, 1, 1]);

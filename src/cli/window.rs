@@ -7,7 +7,7 @@ use crate::command::flags::Flag;
 use crate::error::Result;
 use crate::untrusted::shown;
 use crate::view::View;
-use crate::view::look::{Look, Opening, Said};
+use crate::view::look::{Look, OneLine, Opening};
 use eframe::egui::Context;
 use std::path::Path;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) fn view(args: &ViewArgs, typed: &[Flag]) -> Result<i32> {
 }
 
 /// Saves the result of a look on `input` to `output`, by running the look's command line.
-fn save(look: &Look, input: &Path, output: &Path) -> std::result::Result<(), Said> {
+fn save(look: &Look, input: &Path, output: &Path) -> std::result::Result<(), OneLine> {
     let typed = look.invocation(input, output);
     match run_typed(typed.with(&[Flag::switch("quiet")])) {
         Ok(0) => Ok(()),

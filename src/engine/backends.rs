@@ -15,7 +15,7 @@ use crate::engine::run::Run;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Vector2Planes};
 #[cfg(feature = "gpu")]
-use crate::gpu::fault::Fault;
+use crate::gpu::fault::RunFault;
 use crate::params::{LineParams, RunOptions};
 use crate::plan::outcome::Outcome;
 #[cfg(feature = "gpu")]
@@ -279,14 +279,14 @@ impl Engine {
                 }
                 Ok(Some(outcome))
             }
-            Err(Fault::TooLarge(error)) => {
+            Err(RunFault::TooLarge(error)) => {
                 run.warning(&format!("{error}: the CPU did it"));
                 Ok(None)
             }
             // The CPU would fail with the same error.
-            Err(Fault::Other(error @ (Error::Unfit { .. } | Error::Cancelled))) => Err(error),
-            Err(Fault::Other(error)) if is_required => Err(error),
-            Err(Fault::Other(error)) => {
+            Err(RunFault::Other(error @ (Error::Unfit { .. } | Error::Cancelled))) => Err(error),
+            Err(RunFault::Other(error)) if is_required => Err(error),
+            Err(RunFault::Other(error)) => {
                 let how_long = match gpu.device().is_lost() {
                     true => "the CPU does it from here on",
                     false => "the CPU did it",

@@ -8,17 +8,17 @@ use ndarray::{ArrayViewMut2, ArrayViewMut3, Axis};
 /// The caller's memory as a target for a product: a contiguous slice, rows from the top down, components interleaved;
 /// or an `ndarray` view, `[row, column]` or `[row, column, component]`, with any strides.
 #[derive(Debug)]
-pub struct Target<'a>(Layout<'a>);
+pub struct Target<'a>(TargetLayout<'a>);
 
 #[derive(Debug)]
-enum Layout<'a> {
+enum TargetLayout<'a> {
     Packed(&'a mut [f32]),
     View(ArrayViewMut3<'a, f32>),
 }
 
 impl<'a> From<&'a mut [f32]> for Target<'a> {
     fn from(slice: &'a mut [f32]) -> Self {
-        Self(Layout::Packed(slice))
+        Self(TargetLayout::Packed(slice))
     }
 }
 
@@ -30,13 +30,13 @@ impl<'a> From<&'a mut Vec<f32>> for Target<'a> {
 
 impl<'a> From<ArrayViewMut3<'a, f32>> for Target<'a> {
     fn from(view: ArrayViewMut3<'a, f32>) -> Self {
-        Self(Layout::View(view))
+        Self(TargetLayout::View(view))
     }
 }
 
 impl<'a> From<ArrayViewMut2<'a, f32>> for Target<'a> {
     fn from(view: ArrayViewMut2<'a, f32>) -> Self {
-        Self(Layout::View(view.insert_axis(Axis(2))))
+        Self(TargetLayout::View(view.insert_axis(Axis(2))))
     }
 }
 
@@ -49,8 +49,8 @@ impl Target<'_> {
         let row = product.row();
         let components = row.components.len();
         let fits = match &self.0 {
-            Layout::Packed(slice) => slice.len() == height * width * components,
-            Layout::View(view) => *view.shape() == [height, width, components],
+            TargetLayout::Packed(slice) => slice.len() == height * width * components,
+            TargetLayout::View(view) => *view.shape() == [height, width, components],
         };
         match fits {
             true => Ok(()),
@@ -79,10 +79,10 @@ impl Target<'_> {
         self.check(product, [first.height(), first.width()])?;
         let shape = [first.height(), first.width(), planes.len()];
         let mut view = match &mut self.0 {
-            Layout::Packed(slice) => {
+            TargetLayout::Packed(slice) => {
                 ArrayViewMut3::from_shape(shape, slice).expect("the size was checked")
             }
-            Layout::View(view) => view.view_mut(),
+            TargetLayout::View(view) => view.view_mut(),
         };
         for (mut component, plane) in view.axis_iter_mut(Axis(2)).zip(planes) {
             component.assign(&plane.view());

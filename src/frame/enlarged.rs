@@ -176,13 +176,13 @@ impl<'a> Enlarger<'a> {
     /// A plane of the enlarged frame, of the samples around each pixel, as far as it goes on.
     fn samples<T: Copy + Default + Send>(
         &self,
-        sample: impl Fn(Option<Around>) -> T + Sync,
+        sample: impl Fn(Option<WeighedSamples>) -> T + Sync,
     ) -> Plane<T> {
         let (data, display) = (self.frame.data_window, self.frame.display_window);
-        let across = Side::new([data.x0, display.x0], data.width(), self.factor);
-        let down = Side::new([data.y0, display.y0], data.height(), self.factor);
+        let across = EnlargedAxis::new([data.x0, display.x0], data.width(), self.factor);
+        let down = EnlargedAxis::new([data.y0, display.y0], data.height(), self.factor);
         let window = enlarged(data, display, self.factor);
-        let columns: Vec<Place> = (0..window.width()).map(|x| across.place(x)).collect();
+        let columns: Vec<SamplePair> = (0..window.width()).map(|x| across.place(x)).collect();
         samples([window.width(), window.height()], self.goes_on, |x, y| {
             sample(self.around(columns[x], down.place(y)))
         })
@@ -190,7 +190,7 @@ impl<'a> Enlarger<'a> {
 
     /// The samples around a pixel of the enlarged frame that belong to the surface seen there, with weights that add up
     /// to 1, from its positions across and down; `None` if most of the samples around are uncovered.
-    fn around(&self, across: Place, down: Place) -> Option<Around> {
+    fn around(&self, across: SamplePair, down: SamplePair) -> Option<WeighedSamples> {
         let ([left, right], across) = across;
         let ([above, below], down) = down;
         let mut samples = [
@@ -215,7 +215,7 @@ impl<'a> Enlarger<'a> {
     }
 
     /// Removes the weight of samples from surfaces other than the one with most of the weight.
-    fn keep_one_surface(&self, samples: &mut Around) {
+    fn keep_one_surface(&self, samples: &mut WeighedSamples) {
         let weights = samples.map(|(of, _)| -> f32 {
             let same = samples
                 .iter()
@@ -292,7 +292,7 @@ impl<'a> Enlarger<'a> {
     }
 
     /// The depth of the plane through samples around a position.
-    fn mean_depth(&self, depth: &Plane, around: &Around) -> f32 {
+    fn mean_depth(&self, depth: &Plane, around: &WeighedSamples) -> f32 {
         let samples = around.iter().filter(|(_, weight)| *weight > 0.0);
         let samples = samples.map(|&([x, y], weight)| (depth.at(x, y), weight));
         if samples.clone().all(|(depth, _)| depth > 0.0) {
@@ -306,9 +306,9 @@ impl<'a> Enlarger<'a> {
 }
 
 /// Samples around a position, with their weights.
-type Around = [([usize; 2], f32); 4];
+type WeighedSamples = [([usize; 2], f32); 4];
 
-fn mean(plane: &Plane, around: &Around) -> f32 {
+fn mean(plane: &Plane, around: &WeighedSamples) -> f32 {
     let weighted = around
         .iter()
         .map(|&([x, y], weight)| weight * plane.at(x, y));
@@ -316,7 +316,7 @@ fn mean(plane: &Plane, around: &Around) -> f32 {
 }
 
 /// The sample with most weight.
-fn heaviest(plane: &Plane, around: &Around) -> f32 {
+fn heaviest(plane: &Plane, around: &WeighedSamples) -> f32 {
     let most = around.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
     most.map_or(0.0, |&([x, y], _)| plane.at(x, y))
 }
@@ -336,7 +336,7 @@ pub(super) fn around_pixel(
 }
 
 /// The two samples around a position along one axis, and the weight of the second.
-type Place = ([usize; 2], f32);
+type SamplePair = ([usize; 2], f32);
 
 /// Shortfall of a length from a whole number, in pixels, that is attributed to rounding.
 const SHORT_PX: f64 = 0.01;
@@ -362,7 +362,7 @@ fn enlarged(window: Window, display: Window, factor: f64) -> Window {
 }
 
 /// Columns or rows of an enlarged frame.
-struct Side {
+struct EnlargedAxis {
     factor: f32,
     /// Start of the first pixel relative to that of the original, in pixels of the enlarged frame; 0 for whole factors.
     shift: f32,
@@ -370,7 +370,7 @@ struct Side {
     count: usize,
 }
 
-impl Side {
+impl EnlargedAxis {
     /// The axis of a frame whose data and display windows start at `data` and `display`, with `count` pixels.
     fn new([data, display]: [i32; 2], count: usize, factor: f64) -> Self {
         let before = i64::from(data) - i64::from(display);
@@ -382,7 +382,7 @@ impl Side {
     }
 
     /// Position of the centre of pixel `at` in the original.
-    fn place(&self, at: usize) -> Place {
+    fn place(&self, at: usize) -> SamplePair {
         let at = (at as f32 + 0.5 + self.shift) / self.factor - 0.5;
         let inside = |i: f32| (i.max(0.0) as usize).min(self.count - 1);
         let first = at.floor();

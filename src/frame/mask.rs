@@ -1,6 +1,6 @@
 //! The mask: where samples exist.
 
-use super::sampling::{Lattice, one_in};
+use super::sampling::{SampleLattice, one_in};
 use crate::frame::{Plane, Window};
 use std::ops::Range;
 
@@ -146,8 +146,8 @@ impl Extent {
     }
 
     /// A lattice over it that takes a bounded number of its pixels.
-    pub(crate) fn lattice(&self) -> Lattice {
-        Lattice::of(self.columns.clone(), self.rows.clone(), self.count)
+    pub(crate) fn lattice(&self) -> SampleLattice {
+        SampleLattice::of(self.columns.clone(), self.rows.clone(), self.count)
     }
 }
 

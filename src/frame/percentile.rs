@@ -4,7 +4,7 @@
 //! If too few of the sampled values count, such as curvature in a picture of walls, a second look at more pixels
 //! replaces the first. A picture that comes some rows at a time gives the same as the whole.
 
-use crate::frame::sampling::{Lattice, finer_side};
+use crate::frame::sampling::{SampleLattice, finer_side};
 use crate::frame::{Extent, Mask};
 use crate::kernel::quantile::quantile;
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub(crate) fn percentile(
     percent: u32,
     value: impl Fn(usize, usize) -> Option<f32> + Sync,
 ) -> Option<f32> {
-    let mut sample = Sample::default();
+    let mut sample = PictureSample::default();
     sample.begin(&Extent::of(mask));
     while sample.is_open() {
         sample.add(mask, 0..mask.height(), 0, &value);
@@ -48,8 +48,8 @@ impl Value for [f32; 2] {
 
 /// A sample of the values of a picture that comes some rows at a time, once or twice: its finite values, row by row.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Sample<T> {
-    lattice: Lattice,
+pub(crate) struct PictureSample<T> {
+    lattice: SampleLattice,
     values: Vec<T>,
     looks: SampleLook,
 }
@@ -73,7 +73,7 @@ pub(crate) trait Looks {
     fn end_look(&mut self);
 }
 
-impl<T: Value> Looks for Sample<T> {
+impl<T: Value> Looks for PictureSample<T> {
     fn begin(&mut self, extent: &Extent) {
         self.lattice = extent.lattice();
         self.looks = SampleLook::First;
@@ -96,7 +96,7 @@ impl<T: Value> Looks for Sample<T> {
     }
 }
 
-impl<T: Value> Sample<T> {
+impl<T: Value> PictureSample<T> {
     /// Looks at the rows `rows` of a strip whose first row is row `top` of the picture.
     pub(crate) fn add(
         &mut self,
@@ -130,7 +130,7 @@ impl<T: Value> Sample<T> {
     }
 }
 
-impl Sample<f32> {
+impl PictureSample<f32> {
     /// A percentile of the values, once no other look is taken.
     pub(crate) fn percentile(mut self, percent: u32) -> Option<f32> {
         let share = f64::from(percent) / 100.0;
@@ -236,7 +236,7 @@ mod tests {
                     let (mask, rows, top) = strip(&rows);
                     extent.add(&mask, rows, top);
                 }
-                let (mut search, mut looks) = (Sample::default(), 0);
+                let (mut search, mut looks) = (PictureSample::default(), 0);
                 search.begin(&extent);
                 while search.is_open() {
                     for rows in strips() {

@@ -36,7 +36,7 @@ pub(crate) fn one_in(
 /// Square cells of whole pixels, with a place in each. Integers alone decide where these lie, so that every backend, and
 /// every strip of a picture, finds the same.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Lattice {
+pub(crate) struct SampleLattice {
     /// Pixels along a side of a cell.
     pub(crate) side: u32,
     pub(crate) columns: Range<usize>,
@@ -48,7 +48,7 @@ pub(crate) struct Lattice {
 const WANTED: usize = 120_000;
 const ENOUGH: u32 = 100_000;
 
-impl Lattice {
+impl SampleLattice {
     /// Cells over these pixels, `count` of which are covered: from [`WANTED`] on up to four times as many as that are
     /// taken, and all if there are no more.
     pub(crate) fn of(columns: Range<usize>, rows: Range<usize>, count: usize) -> Self {
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn a_lattice_gives_one_pixel_of_every_cell_and_strips_the_same() {
         // Cells of 3 x 3 over 10 x 7 pixels: 4 x 3, those at the end with 1 column or row.
-        let lattice = Lattice {
+        let lattice = SampleLattice {
             side: 3,
             columns: 5..15,
             rows: 2..9,
@@ -167,7 +167,7 @@ mod tests {
             .collect();
         assert_eq!(strips, all);
         // Every pixel of a small picture.
-        let small = Lattice::of(5..15, 2..9, 70);
+        let small = SampleLattice::of(5..15, 2..9, 70);
         let rows: Vec<_> = small.rows(0..9).collect();
         assert_eq!(rows, (0..7).map(|j| (j, j + 2)).collect::<Vec<_>>());
         assert!(small.columns(3, 7..9).eq(7..9));
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn a_lattice_takes_no_fewer_pixels_than_wanted() {
         for (count, side) in [(0, 1), (479_999, 1), (480_000, 2), (33_177_600, 16)] {
-            assert_eq!(Lattice::of(0..1, 0..1, count).side, side);
+            assert_eq!(SampleLattice::of(0..1, 0..1, count).side, side);
         }
         // Half of the values asked for at a side of 16: 16 / sqrt(2) is 11.3.
         assert_eq!(finer_side(16, 50_000), 11);

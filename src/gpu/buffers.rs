@@ -10,7 +10,7 @@ pub(crate) struct Buffers(Mutex<Vec<Spare>>);
 
 /// The use of a buffer, which it keeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Purpose {
+pub(crate) enum BufferUse {
     /// Written by kernels. A buffer may pass from one kernel to a later one of the same run.
     Kernels,
     /// Uploaded to the device. Copies precede all kernels of a run, so a buffer must not have been used by a kernel
@@ -24,14 +24,14 @@ pub(crate) enum Purpose {
 #[derive(Debug)]
 struct Spare {
     buffer: wgpu::Buffer,
-    purpose: Purpose,
+    purpose: BufferUse,
     /// Whether it was returned since the last run began.
     is_fresh: bool,
 }
 
 impl Buffers {
     /// A buffer of this many bytes, with undefined contents.
-    pub(crate) fn take(&self, device: &Device, bytes: u64, purpose: Purpose) -> wgpu::Buffer {
+    pub(crate) fn take(&self, device: &Device, bytes: u64, purpose: BufferUse) -> wgpu::Buffer {
         let size = bytes.max(4).next_multiple_of(4);
         let mut spare = self.spare();
         let fits = |spare: &Spare| spare.purpose == purpose && spare.buffer.size() == size;
@@ -40,10 +40,10 @@ impl Buffers {
         }
         drop(spare);
         let usage = match purpose {
-            Purpose::Kernels | Purpose::Upload => {
+            BufferUse::Kernels | BufferUse::Upload => {
                 BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST
             }
-            Purpose::ReadBack => BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            BufferUse::ReadBack => BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         };
         device.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -55,14 +55,14 @@ impl Buffers {
 
     /// Reclaims buffers of kernels that none recorded later needs.
     pub(crate) fn recycle(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
-        self.recycle_as(Purpose::Kernels, buffers);
+        self.recycle_as(BufferUse::Kernels, buffers);
     }
 
     /// Reclaims buffers taken for this purpose: uploaded ones after the run, others read and unmapped. A buffer returned
     /// by several owners is kept only once.
     pub(crate) fn recycle_as(
         &self,
-        purpose: Purpose,
+        purpose: BufferUse,
         buffers: impl IntoIterator<Item = wgpu::Buffer>,
     ) {
         let mut spare = self.spare();

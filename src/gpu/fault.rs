@@ -5,14 +5,14 @@ use crate::gpu::device::Device;
 
 /// Why a run failed.
 #[derive(Debug)]
-pub(crate) enum Fault {
+pub(crate) enum RunFault {
     /// The frame exceeds the limits of the device, or its free memory.
     TooLarge(Error),
     /// Anything else.
     Other(Error),
 }
 
-impl Fault {
+impl RunFault {
     pub(crate) fn into_error(self) -> Error {
         match self {
             Self::TooLarge(error) | Self::Other(error) => error,
@@ -20,7 +20,7 @@ impl Fault {
     }
 }
 
-impl From<Error> for Fault {
+impl From<Error> for RunFault {
     fn from(error: Error) -> Self {
         Self::Other(error)
     }
@@ -32,8 +32,8 @@ impl From<Error> for Fault {
 /// The error that the device reported, or else the result of `work`.
 pub(crate) fn watched<T>(
     device: &Device,
-    work: impl FnOnce() -> Result<T, Fault>,
-) -> Result<T, Fault> {
+    work: impl FnOnce() -> Result<T, RunFault>,
+) -> Result<T, RunFault> {
     let scope = |filter| device.device.push_error_scope(filter);
     let memory = scope(wgpu::ErrorFilter::OutOfMemory);
     let internal = scope(wgpu::ErrorFilter::Internal);
@@ -47,9 +47,9 @@ pub(crate) fn watched<T>(
         None => done,
         Some(error @ wgpu::Error::OutOfMemory { .. }) => {
             let found = format!("has too little memory ({error})");
-            Err(Fault::TooLarge(device.error(found)))
+            Err(RunFault::TooLarge(device.error(found)))
         }
-        Some(error) => Err(Fault::Other(device.error(error))),
+        Some(error) => Err(RunFault::Other(device.error(error))),
     }
 }
 

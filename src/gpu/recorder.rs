@@ -1,7 +1,7 @@
 //! Records kernels and their inputs in order of execution.
 
 use crate::error::{Error, Result};
-use crate::gpu::buffers::{Buffers, Purpose};
+use crate::gpu::buffers::{BufferUse, Buffers};
 use crate::gpu::device::Device;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::wait::wait_for;
@@ -75,7 +75,7 @@ impl Programs {
 }
 
 /// The time of each stage, in order.
-pub(crate) type Timings = Vec<(&'static str, Duration)>;
+pub(crate) type StageTimings = Vec<(&'static str, Duration)>;
 
 /// Maximum number of kernels timed in a run: each takes two of a set's queries.
 const MAX_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
@@ -191,7 +191,10 @@ impl<'d> Recorder<'d> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub(crate) fn read(&mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+    pub(crate) fn read(
+        &mut self,
+        wanted: &[&wgpu::Buffer],
+    ) -> Result<(Vec<Vec<f32>>, StageTimings)> {
         let recorded = self
             .start
             .take()
@@ -212,7 +215,7 @@ impl<'d> Recorder<'d> {
     /// Submits the recorded work and continues recording; the contents of `wanted` can then be read.
     pub(crate) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
         let device = &self.device.device;
-        let readable = |size: u64| self.buffers.take(self.device, size, Purpose::ReadBack);
+        let readable = |size: u64| self.buffers.take(self.device, size, BufferUse::ReadBack);
         let mut to_read: Vec<wgpu::Buffer> = Vec::new();
         for buffer in wanted {
             let target = readable(buffer.size());
@@ -270,7 +273,7 @@ impl Submitted<'_> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub(crate) fn read(mut self) -> Result<(Vec<Vec<f32>>, Option<Timings>)> {
+    pub(crate) fn read(mut self) -> Result<(Vec<Vec<f32>>, Option<StageTimings>)> {
         if let Some(error) = self.failed {
             return Err(error);
         }
@@ -279,7 +282,7 @@ impl Submitted<'_> {
             Some((stages, tick_ns)) => {
                 let clock = self.to_read.pop().expect("the clock is read last");
                 let readings = contents(self.device, &clock)?;
-                self.buffers.recycle_as(Purpose::ReadBack, [clock]);
+                self.buffers.recycle_as(BufferUse::ReadBack, [clock]);
                 Some(times(&stages, &readings, tick_ns))
             }
             None => None,
@@ -287,7 +290,7 @@ impl Submitted<'_> {
         let numbers = self.to_read.par_iter();
         let numbers = numbers.map(|buffer| contents(self.device, buffer));
         let numbers = numbers.collect::<Result<_>>()?;
-        self.buffers.recycle_as(Purpose::ReadBack, self.to_read);
+        self.buffers.recycle_as(BufferUse::ReadBack, self.to_read);
         Ok((numbers, times))
     }
 }
@@ -329,8 +332,8 @@ fn contents<T: bytemuck::AnyBitPattern>(device: &Device, buffer: &wgpu::Buffer) 
 }
 
 /// The time of each stage, summed over its passes, in order of their first pass.
-fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> Timings {
-    let mut times = Timings::new();
+fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> StageTimings {
+    let mut times = StageTimings::new();
     for (&stage, pair) in stages.iter().zip(readings.chunks_exact(2)) {
         let ticks = pair[1].saturating_sub(pair[0]);
         let time = Duration::from_nanos((ticks as f64 * f64::from(tick_ns)) as u64);

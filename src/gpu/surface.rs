@@ -1,7 +1,7 @@
 //! A frame on the device.
 
 use crate::frame::{Mask, Plane};
-use crate::gpu::buffers::{Buffers, Purpose};
+use crate::gpu::buffers::{BufferUse, Buffers};
 use crate::gpu::device::Device;
 use rayon::prelude::*;
 
@@ -19,7 +19,7 @@ impl Upload<'_> {
 
     pub(crate) fn bytes(self, bytes: &[u8]) -> wgpu::Buffer {
         let size = bytes.len() as u64;
-        let buffer = self.buffers.take(self.device, size, Purpose::Upload);
+        let buffer = self.buffers.take(self.device, size, BufferUse::Upload);
         self.device.queue.write_buffer(&buffer, 0, bytes);
         buffer
     }

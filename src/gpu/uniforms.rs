@@ -10,7 +10,7 @@ pub(crate) trait Uniforms {
 }
 
 /// A field of a uniform block: a number, or a vector.
-pub(crate) trait Field: bytemuck::Pod {
+pub(crate) trait UniformField: bytemuck::Pod {
     /// Bytes that its place is a multiple of.
     const ALIGNMENT: usize = 4;
 
@@ -20,23 +20,23 @@ pub(crate) trait Field: bytemuck::Pod {
     }
 }
 
-impl Field for f32 {}
-impl Field for u32 {}
-impl Field for i32 {}
+impl UniformField for f32 {}
+impl UniformField for u32 {}
+impl UniformField for i32 {}
 
-impl Field for [f32; 2] {
+impl UniformField for [f32; 2] {
     const ALIGNMENT: usize = 8;
 }
 
-impl Field for [u32; 2] {
+impl UniformField for [u32; 2] {
     const ALIGNMENT: usize = 8;
 }
 
-impl Field for [f32; 3] {
+impl UniformField for [f32; 3] {
     const ALIGNMENT: usize = 16;
 }
 
-impl Field for [f32; 4] {
+impl UniformField for [f32; 4] {
     const ALIGNMENT: usize = 16;
 }
 
@@ -67,7 +67,7 @@ macro_rules! uniforms {
                 );
 
                 fn add_to(&self, bytes: &mut Vec<u8>) {
-                    $($crate::gpu::uniforms::Field::add_to(&self.$field, bytes);)*
+                    $($crate::gpu::uniforms::UniformField::add_to(&self.$field, bytes);)*
                 }
             }
         )*

@@ -1,6 +1,6 @@
 //! Whether normals of a photo have noise: what removes it costs time, and nearly all maps have none.
 
-use super::photo::{Meaning, StoredPhoto};
+use super::photo::{CodeMeaning, StoredPhoto};
 use crate::frame::{Vector3Planes, Window, denoise, unround};
 use crate::kernel::quantile::quantile;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub(super) fn noise_of(photo: &StoredPhoto) -> f32 {
     let [width, height] = photo.cell;
     for rows in spread(header.height, height) {
         let size = Window::from_size(header.width, rows.len());
-        let Ok(planes) = photo.planes(rows, Meaning::Stored) else {
+        let Ok(planes) = photo.planes(rows, CodeMeaning::Stored) else {
             return 0.0;
         };
         for columns in spread(header.width, width) {

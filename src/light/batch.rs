@@ -2,7 +2,7 @@
 //! vectorise.
 
 use super::cosines::scalar_product;
-use super::light_warping::{Bend, MOST_BRIGHTENED, factor};
+use super::light_warping::{MOST_BRIGHTENED, WarpParts, factor};
 use super::radiance_scaling::ScalingCurve;
 
 /// Pixels of a batch. All its planes fit the first-level cache.
@@ -315,7 +315,7 @@ impl Pixels {
         let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
         for i in 0..BATCH {
             // The inverse is the warp of the opposite strength.
-            let bend = Bend::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
+            let bend = WarpParts::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
             [xx[i], xy[i], yy[i]] = bend.turn;
             [square_xx[i], square_yy[i]] = bend.principal;
         }
@@ -325,7 +325,7 @@ impl Pixels {
             }
         }
         for i in 0..BATCH {
-            let bend = Bend {
+            let bend = WarpParts {
                 principal: [square_xx[i], square_yy[i]],
                 turn: [xx[i], xy[i], yy[i]],
             };

@@ -21,21 +21,21 @@ const MIN_COLUMNS: usize = 128;
 const CUT: f64 = 1e-5;
 
 /// Red, green, blue, and a weight that is 1 in a white map: the divisor of a filter.
-type Weighed = [f32; 4];
+type WeighedColor = [f32; 4];
 
 /// The filtering of one environment by one lobe, row by row: rows may be filled in any order.
 #[derive(Debug, Clone)]
 pub(crate) struct GlossyFilter {
     width: usize,
     height: usize,
-    lobe: Lobe,
-    source: Source,
+    lobe: GlossyLobe,
+    source: GlossySource,
     turned_like: Environment,
 }
 
 /// What reflects light, by the cosine it is seen under.
 #[derive(Debug, Clone, Copy)]
-enum Lobe {
+enum GlossyLobe {
     /// The cosine to a power.
     Phong(f64),
     /// The base under a coat.
@@ -43,11 +43,11 @@ enum Lobe {
 }
 
 #[derive(Debug, Clone)]
-enum Source {
+enum GlossySource {
     /// The lobe is narrower than a pixel: the result is this map.
     Unfiltered(Environment),
     /// Power and solid angle of every pixel, each row stored twice in succession, so that no shift wraps.
-    Rows(Vec<Weighed>),
+    Rows(Vec<WeighedColor>),
 }
 
 impl GlossyFilter {
@@ -68,8 +68,8 @@ impl GlossyFilter {
         Self {
             width: finest,
             height: finest / 2,
-            lobe: Lobe::Phong(shininess),
-            source: Source::Rows(source_rows(environment, finest, finest / 2)),
+            lobe: GlossyLobe::Phong(shininess),
+            source: GlossySource::Rows(source_rows(environment, finest, finest / 2)),
             turned_like: corner(environment),
         }
     }
@@ -77,7 +77,7 @@ impl GlossyFilter {
     /// Prepares filtering `environment` by the base of a coated surface.
     pub(crate) fn base(environment: &Environment) -> Self {
         Self {
-            lobe: Lobe::Base,
+            lobe: GlossyLobe::Base,
             ..Self::new(environment, 1.0, MIN_COLUMNS)
         }
     }
@@ -86,8 +86,8 @@ impl GlossyFilter {
         Self {
             width: map.width(),
             height: map.height(),
-            lobe: Lobe::Phong(f64::INFINITY),
-            source: Source::Unfiltered(map),
+            lobe: GlossyLobe::Phong(f64::INFINITY),
+            source: GlossySource::Unfiltered(map),
             turned_like: corner(environment),
         }
     }
@@ -101,8 +101,8 @@ impl GlossyFilter {
             [r[x], g[x], b[x]] = color;
         };
         match &self.source {
-            Source::Unfiltered(map) => (0..self.width).for_each(|x| put(x, map.pixel(x, y))),
-            Source::Rows(rows) => {
+            GlossySource::Unfiltered(map) => (0..self.width).for_each(|x| put(x, map.pixel(x, y))),
+            GlossySource::Rows(rows) => {
                 for (x, [r, g, b, weight]) in self.filtered_row(rows, y).into_iter().enumerate() {
                     put(x, [r / weight, g / weight, b / weight].map(|v| v as f32));
                 }
@@ -120,7 +120,7 @@ impl GlossyFilter {
     }
 
     /// Weighted sums of power and of solid angle for each pixel of row `y`.
-    fn filtered_row(&self, rows: &[Weighed], y: usize) -> Vec<[f64; 4]> {
+    fn filtered_row(&self, rows: &[WeighedColor], y: usize) -> Vec<[f64; 4]> {
         let (width, stride) = (self.width, 2 * self.width);
         let mut sums = vec![[0.0_f64; 4]; width];
         let mut in_row = vec![[0.0_f32; 4]; width];
@@ -155,8 +155,8 @@ impl GlossyFilter {
         let (sin, cos) = elevation(y).sin_cos();
         let (source_sin, source_cos) = elevation(source_y).sin_cos();
         let least = match self.lobe {
-            Lobe::Phong(shininess) => CUT.powf(1.0 / shininess),
-            Lobe::Base => 0.0,
+            GlossyLobe::Phong(shininess) => CUT.powf(1.0 / shininess),
+            GlossyLobe::Base => 0.0,
         };
         let cosines = (0..=self.width / 2).map(|shift| {
             let turn = (shift as f64 / self.width as f64 * TAU).cos();
@@ -165,8 +165,8 @@ impl GlossyFilter {
         cosines
             .take_while(|&cosine| cosine > 0.0 && cosine >= least)
             .map(|cosine| match self.lobe {
-                Lobe::Phong(shininess) => cosine.powf(shininess) as f32,
-                Lobe::Base => entering(cosine as f32),
+                GlossyLobe::Phong(shininess) => cosine.powf(shininess) as f32,
+                GlossyLobe::Base => entering(cosine as f32),
             })
             .collect()
     }
@@ -177,20 +177,20 @@ fn corner(environment: &Environment) -> Environment {
     Environment::from_fn(1, 1, |_, _| [0.0; 3]).turned_like(environment)
 }
 
-fn add(sums: &mut [Weighed], row: &[Weighed], weight: f32) {
+fn add(sums: &mut [WeighedColor], row: &[WeighedColor], weight: f32) {
     for (sum, v) in sums.iter_mut().zip(row) {
         *sum = std::array::from_fn(|i| sum[i] + weight * v[i]);
     }
 }
 
-fn add_both(sums: &mut [Weighed], right: &[Weighed], left: &[Weighed], weight: f32) {
+fn add_both(sums: &mut [WeighedColor], right: &[WeighedColor], left: &[WeighedColor], weight: f32) {
     for ((sum, a), b) in sums.iter_mut().zip(right).zip(left) {
         *sum = std::array::from_fn(|i| sum[i] + weight * (a[i] + b[i]));
     }
 }
 
 /// The environment on `width` by `height` pixels, each row twice.
-fn source_rows(environment: &Environment, width: usize, height: usize) -> Vec<Weighed> {
+fn source_rows(environment: &Environment, width: usize, height: usize) -> Vec<WeighedColor> {
     let finer = environment.width() > width && environment.height() > height;
     let map = match finer {
         true => gathered(environment, width, height),

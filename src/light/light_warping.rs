@@ -91,8 +91,8 @@ impl Warp {
     /// count as very large ones, NaN as 0.
     #[inline(always)]
     pub fn of(hessian: [f32; 3], alpha: f32) -> Self {
-        let Bend { principal, turn } = Bend::of(hessian, alpha);
-        Bend {
+        let WarpParts { principal, turn } = WarpParts::of(hessian, alpha);
+        WarpParts {
             principal: principal.map(factor),
             turn,
         }
@@ -146,7 +146,7 @@ impl Warp {
 
 /// What a [`Warp`] consists of: [`Warp::of`] in steps, for loops that vectorise in each of them.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bend {
+pub(crate) struct WarpParts {
     /// The principal curvatures, times the strength of the warp: arguments of [`factor`].
     pub(crate) principal: [f32; 2],
     /// Half the difference of the entries xx and yy, the entry xy, and the length of both, in the unit of the largest
@@ -154,7 +154,7 @@ pub(crate) struct Bend {
     pub(crate) turn: [f32; 3],
 }
 
-impl Bend {
+impl WarpParts {
     /// The first step.
     #[inline(always)]
     pub(crate) fn of(hessian: [f32; 3], alpha: f32) -> Self {

@@ -42,13 +42,13 @@ impl OctahedralMaps {
     pub(crate) fn new(environment: &Environment, least: f32) -> Self {
         // Pixels at the corners of the octahedron have the least solid angle.
         let finest = side_log2(map_share(least, 1.0), FINEST);
-        let mut shown = vec![Shown::of(environment, 1 << (finest - FINER_LOG2))];
+        let mut shown = vec![PowerMap::of(environment, 1 << (finest - FINER_LOG2))];
         while let Some(finer) = shown.last()
             && finer.side > 1
         {
             shown.push(finer.halved());
         }
-        let maps = shown.iter().rev().map(Shown::enlarged);
+        let maps = shown.iter().rev().map(PowerMap::enlarged);
         Self {
             texels: maps.collect::<Vec<_>>().concat(),
             finest,
@@ -109,12 +109,12 @@ fn cell(position: f32, log2: u32) -> u32 {
 }
 
 /// What a map shows before it is blurred: power and solid angle of every pixel.
-struct Shown {
+struct PowerMap {
     side: usize,
     texels: Vec<Texel>,
 }
 
-impl Shown {
+impl PowerMap {
     fn of(environment: &Environment, side: usize) -> Self {
         let place = |i: usize| (2 * i + 1) as f32 / (LOOK_UPS * side) as f32 - 1.0;
         let pixel = |x: usize, y: usize| {

@@ -12,7 +12,7 @@ use crate::light::light_samples::uniform_directions;
 use crate::light::lights::{DirectionalLight, Illumination, LightChoice, brightened};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
-use crate::light::relight::pilot::{Base, Chosen, Sampled, chosen};
+use crate::light::relight::pilot::{Base, Sampled, StandIn, chosen};
 use crate::light::relight::setting::{EnvironmentUse, Relighting};
 use crate::params::{Adaptive, Material, MaterialParams};
 use glam::Vec3;
@@ -333,8 +333,8 @@ impl PreparedEnvironment {
                     chosen(environment, material, allowed, (gain, weights), goes_on);
                 choice = Some(chosen);
                 match used {
-                    Chosen::Lights(lights) => Used::Lights(lights),
-                    Chosen::Sampled(sampled) => Used::Sampled(sampled),
+                    StandIn::Lights(lights) => Used::Lights(lights),
+                    StandIn::Sampled(sampled) => Used::Sampled(sampled),
                 }
             }
             EnvironmentUse::Lookups(count) => {

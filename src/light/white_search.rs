@@ -1,6 +1,6 @@
 //! White levels, from the luminance of all pixels: of the picture, or of each term of its light.
 
-use crate::frame::percentile::{Looks, Sample};
+use crate::frame::percentile::{Looks, PictureSample};
 use crate::light::layers::cpu::Absent;
 use crate::light::layers::terms::light_terms;
 use crate::params::Adaptive;
@@ -11,7 +11,7 @@ use crate::shape::auto_levels::cpu::{luminance_at, white_of};
 
 /// A search for the white level of the picture.
 #[derive(Default)]
-pub(crate) struct WhiteSearch(Sample<f32>);
+pub(crate) struct WhiteSearch(PictureSample<f32>);
 
 impl WhiteSearch {
     pub(super) fn level(self) -> f32 {
@@ -39,7 +39,7 @@ impl Search for WhiteSearch {
 
 /// A search for the white level of each term of the light that has none given.
 #[derive(Default)]
-pub(crate) struct TermSearch(Vec<(&'static str, Sample<f32>)>);
+pub(crate) struct TermSearch(Vec<(&'static str, PictureSample<f32>)>);
 
 impl TermSearch {
     pub(super) fn levels(self) -> Vec<(&'static str, f32)> {
@@ -57,7 +57,7 @@ impl Search for TermSearch {
             let terms = light_terms(&run.frame.light.lobes, scaling).into_iter();
             let names = terms.map(|term| term.name);
             let open = names.filter(|name| scaling.term_white_levels.of(name).is_none());
-            self.0 = open.map(|name| (name, Sample::default())).collect();
+            self.0 = open.map(|name| (name, PictureSample::default())).collect();
         }
     }
 

@@ -4,7 +4,7 @@ use crate::frame::DepthKind;
 use crate::kernel::simd::Simd;
 use crate::kernel::simd::levels::{WIDTH, assert_same_bits, at, row, rows};
 use crate::line::direction_field::{self, Weighted};
-use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
+use crate::line::normal_rays::bundle::{self, Bundle, BundlePixels, Directions, PointSource};
 
 /// Results of the kernels on sample rows.
 fn made(simd: Simd) -> Vec<Vec<f32>> {
@@ -30,7 +30,7 @@ fn made_of_rays(simd: Simd) -> Vec<Vec<f32>> {
     const LANES: usize = bundle::LANES;
     let lanes = |seed: u32| std::array::from_fn(|i| row(seed)[i]);
     let places = |seed: u32, scale: f64| lanes(seed).map(|v: f32| scale * f64::from(v));
-    let pixels = |seed: u32, scale: f64| Pixels {
+    let pixels = |seed: u32, scale: f64| BundlePixels {
         // Nearly one normal, at places a few pixels apart: most lanes have a direction.
         normal: [lanes(seed), lanes(seed + 1), [4.0; LANES]].map(|c| c.map(|v| 0.2 * v)),
         depth: lanes(seed + 2).map(|v: f32| 5.0 + 0.001 * v),

@@ -5,7 +5,7 @@ use super::random::Random;
 use crate::params::{Stroke, Style};
 
 /// The drawn texels of a [`super::tonal_art_map::TonalArtMap`].
-pub(super) struct Canvas {
+pub(super) struct DrawnTexels {
     pub(super) side: usize,
     pub(super) texels_per_px: f32,
     /// Tones at which each texel begins to take ink and is full, 0..1.
@@ -22,7 +22,7 @@ const MAX_SIDE: usize = 512;
 /// Thinnest stroke in texels: thinner ones show as grey either way.
 const MIN_WIDTH: f32 = 0.5;
 
-impl Canvas {
+impl DrawnTexels {
     pub(super) fn drawn(stroke: &Stroke, style: Style, random: &mut Random) -> Self {
         let wanted = STROKES_ACROSS * stroke.length_px;
         let side = (wanted.ceil() as usize).next_power_of_two();

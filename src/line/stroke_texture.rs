@@ -1,7 +1,7 @@
 //! A tonal art map of strokes: the thresholds between which each texel turns from paper to ink.
 
 use super::random::Random;
-use super::stroke_synthesis::Canvas;
+use super::stroke_synthesis::DrawnTexels;
 
 /// Pixels that are worked on together.
 pub const BATCH: usize = 64;
@@ -29,7 +29,7 @@ const MEASURED: usize = 1 << 16;
 const BINS: usize = 4096;
 
 impl StrokeTexture {
-    pub(super) fn new(canvas: &Canvas) -> Self {
+    pub(super) fn new(canvas: &DrawnTexels) -> Self {
         let steps = |[begin, full]: [f32; 2]| -> [u8; RAMP] {
             let begin = (STEPS * begin).clamp(0.0, STEPS - 1.0).floor();
             let full = (STEPS * full).clamp(begin + 1.0, STEPS).round();

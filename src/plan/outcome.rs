@@ -60,7 +60,7 @@ macro_rules! shape_products {
             #[cfg(any(feature = "cli", feature = "gpu"))]
             fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
                 match product {
-                    $(Product::$product => self.$field = Planes::of_planes(planes),)*
+                    $(Product::$product => self.$field = ProductPlanes::of_planes(planes),)*
                     _ => {}
                 }
             }
@@ -217,7 +217,7 @@ pub(crate) enum Shows {
 }
 
 /// The planes of a product.
-trait Planes {
+trait ProductPlanes {
     fn planes(&self) -> Vec<&Plane>;
     fn planes_mut(&mut self) -> Vec<&mut Plane>;
     #[cfg(any(feature = "cli", feature = "gpu"))]
@@ -227,7 +227,7 @@ trait Planes {
 /// Planes as fields of a struct, in the order of the product's components.
 macro_rules! planes {
     ($($type:ty { $($field:tt),+ })*) => {$(
-        impl Planes for $type {
+        impl ProductPlanes for $type {
             fn planes(&self) -> Vec<&Plane> {
                 vec![$(&self.$field),+]
             }
@@ -252,7 +252,7 @@ planes! {
     ColorPlanes { r, g, b }
 }
 
-impl Planes for Plane {
+impl ProductPlanes for Plane {
     fn planes(&self) -> Vec<&Plane> {
         vec![self]
     }
@@ -267,13 +267,14 @@ impl Planes for Plane {
     }
 }
 
-impl<P: Planes> Planes for Option<P> {
+impl<P: ProductPlanes> ProductPlanes for Option<P> {
     fn planes(&self) -> Vec<&Plane> {
-        self.as_ref().map_or_else(Vec::new, Planes::planes)
+        self.as_ref().map_or_else(Vec::new, ProductPlanes::planes)
     }
 
     fn planes_mut(&mut self) -> Vec<&mut Plane> {
-        self.as_mut().map_or_else(Vec::new, Planes::planes_mut)
+        self.as_mut()
+            .map_or_else(Vec::new, ProductPlanes::planes_mut)
     }
 
     #[cfg(any(feature = "cli", feature = "gpu"))]
@@ -314,7 +315,7 @@ impl Outcome {
     #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
         match product {
-            Product::Picture => self.color = Planes::of_planes(planes),
+            Product::Picture => self.color = ProductPlanes::of_planes(planes),
             // Drawings are assembled together with their lines.
             Product::Strokes | Product::Contours | Product::Interior => {}
             of_shape => self.shape.put(of_shape, planes),
@@ -326,8 +327,8 @@ impl Outcome {
     pub(crate) fn put_scale(&mut self, sigma_px: f32, planes: &mut dyn Iterator<Item = Plane>) {
         self.shape.more_scales.push(ScaleShape {
             sigma_px,
-            curvatures: Planes::of_planes(planes),
-            kappa: Planes::of_planes(planes),
+            curvatures: ProductPlanes::of_planes(planes),
+            kappa: ProductPlanes::of_planes(planes),
         });
     }
 

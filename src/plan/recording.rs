@@ -2,11 +2,11 @@
 
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use crate::gpu::buffers::{Buffers, Purpose};
+use crate::gpu::buffers::{BufferUse, Buffers};
 use crate::gpu::constants::GROUP;
 use crate::gpu::device::Device;
 use crate::gpu::kernels::Kernel;
-use crate::gpu::recorder::{KERNELS, Recorder, Submitted, Timings};
+use crate::gpu::recorder::{KERNELS, Recorder, StageTimings, Submitted};
 use crate::gpu::surface::Upload;
 use crate::gpu::uniforms::{Uniforms, bytes_of};
 use crate::kernel::shelf::Lent;
@@ -34,7 +34,7 @@ pub(crate) struct Recording<'a> {
     /// Columns and rows.
     pub(crate) size: [u32; 2],
     /// Planes by the names that they have in kernels, and what they were taken for.
-    pub(crate) planes: BTreeMap<&'static str, (wgpu::Buffer, Purpose)>,
+    pub(crate) planes: BTreeMap<&'static str, (wgpu::Buffer, BufferUse)>,
     /// Gradients and curvatures at further scales.
     pub(crate) more_gradients: Vec<wgpu::Buffer>,
     pub(crate) more_curvatures: Vec<wgpu::Buffer>,
@@ -43,7 +43,7 @@ pub(crate) struct Recording<'a> {
     /// The submission in progress, if the run is observed.
     pub(crate) at_work: Option<Submitted<'a>>,
     /// Timings of submissions waited for so far.
-    pub(crate) waited: Timings,
+    pub(crate) waited: StageTimings,
     /// Buffers uploaded during recording.
     pub(crate) held: Vec<wgpu::Buffer>,
 }
@@ -111,14 +111,14 @@ impl<'a> Recording<'a> {
     /// Names a plane that kernels made, in place of another of this name.
     pub(crate) fn put(&mut self, name: &'static str, plane: wgpu::Buffer) {
         self.drop_plane(name);
-        self.planes.insert(name, (plane, Purpose::Kernels));
+        self.planes.insert(name, (plane, BufferUse::Kernels));
     }
 
     /// Copies a plane of the frame to the device, unless one of this name is there; whether one is.
     pub(crate) fn upload_as(&mut self, name: &'static str, plane: Option<&Plane>) -> bool {
         if let Some(plane) = plane.filter(|_| !self.has(name)) {
             let plane = self.upload().plane(plane);
-            self.planes.insert(name, (plane, Purpose::Upload));
+            self.planes.insert(name, (plane, BufferUse::Upload));
         }
         self.has(name)
     }
@@ -134,7 +134,7 @@ impl<'a> Recording<'a> {
     pub(crate) fn upload_surface(&mut self) {
         let frame = self.frame;
         let covered = self.upload().coverage(&frame.mask);
-        self.planes.insert("covered", (covered, Purpose::Upload));
+        self.planes.insert("covered", (covered, BufferUse::Upload));
         let normal = &frame.normal;
         self.upload_as("normal_x", Some(&normal.x));
         self.upload_as("normal_y", Some(&normal.y));
@@ -145,7 +145,7 @@ impl<'a> Recording<'a> {
     /// Gives up a plane that no later kernel takes.
     pub(crate) fn drop_plane(&mut self, name: &str) {
         match self.planes.remove(name) {
-            Some((plane, Purpose::Kernels)) => self.buffers.recycle([plane]),
+            Some((plane, BufferUse::Kernels)) => self.buffers.recycle([plane]),
             // Copies precede all kernels of a run, so the memory is not free before its end.
             Some((plane, _)) => self.held.push(plane),
             None => {}
@@ -219,7 +219,7 @@ impl<'a> Recording<'a> {
 
     /// A buffer of this many bytes with undefined contents.
     pub(crate) fn take(&self, bytes: u64) -> wgpu::Buffer {
-        self.buffers.take(self.device, bytes, Purpose::Kernels)
+        self.buffers.take(self.device, bytes, BufferUse::Kernels)
     }
 
     pub(crate) fn copy_of(&mut self, buffer: &wgpu::Buffer) -> wgpu::Buffer {
@@ -264,12 +264,12 @@ impl<'a> Recording<'a> {
     }
 
     /// Ends the run, whose buffers are reused: its timings, and the CPU run.
-    pub(crate) fn finish(mut self) -> (Timings, Execution<'a>) {
+    pub(crate) fn finish(mut self) -> (StageTimings, Execution<'a>) {
         let names: Vec<_> = self.planes.keys().copied().collect();
         names.iter().for_each(|name| self.drop_plane(name));
         let further = self.more_gradients.into_iter().chain(self.more_curvatures);
         self.buffers.recycle(further);
-        self.buffers.recycle_as(Purpose::Upload, self.held);
+        self.buffers.recycle_as(BufferUse::Upload, self.held);
         (self.waited, self.host)
     }
 }

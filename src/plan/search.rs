@@ -1,7 +1,7 @@
 //! Choices from a whole picture: the gain, white levels, the albedo. A picture that comes some rows at a time gives the same
 //! as the whole.
 
-use crate::frame::percentile::{Looks, Sample, Value};
+use crate::frame::percentile::{Looks, PictureSample, Value};
 use crate::frame::{Extent, Frame, Mask};
 use crate::plan::Plan;
 use crate::plan::execution::{Execution, StripRows};
@@ -77,7 +77,7 @@ impl<'a> ChosenFrom<'a> {
     /// Adds values at pixels of the planes to a sample.
     pub(crate) fn add_to<T: Value>(
         &self,
-        sample: &mut Sample<T>,
+        sample: &mut PictureSample<T>,
         value: impl Fn(usize, usize) -> Option<T> + Sync,
     ) {
         let rows = self.strip.rows.clone();

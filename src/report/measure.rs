@@ -23,7 +23,7 @@ const GRACE: f64 = 0.15;
 const TRYING: f64 = 0.5;
 
 /// A run that is compared, and timed.
-struct Candidate {
+struct TimedRun {
     change: Variation,
     difference: CodeDifference,
     first: Spent,
@@ -35,7 +35,7 @@ struct Candidate {
 /// The ladders of the command, and the truth that they are compared with.
 #[derive(Default)]
 struct Trades {
-    candidates: Vec<Candidate>,
+    candidates: Vec<TimedRun>,
     same_stages: Vec<String>,
     reference: Option<Reference>,
     error_of_given: CodeDifference,
@@ -80,7 +80,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     say("files");
     let files = files(&measuring.subject, &measuring.given, &measuring.counts)?;
     let candidates = trades.candidates.iter().chain(parts.iter().map(|(_, c)| c));
-    let candidates: Vec<&Candidate> = candidates.collect();
+    let candidates: Vec<&TimedRun> = candidates.collect();
     let times = measuring.times(&candidates)?;
     let costs = costs(&candidates, &times);
     let (of_trades, of_parts) = costs.split_at(trades.candidates.len());
@@ -188,7 +188,7 @@ impl Measuring<'_> {
         });
         trades.error_of_given = off(&self.given.codes);
         trades.errors = errors(&truth.codes, &self.given.codes);
-        let candidates = shots.into_iter().map(|(change, shot)| Candidate {
+        let candidates = shots.into_iter().map(|(change, shot)| TimedRun {
             difference: off(&shot.codes),
             first: shot.used,
             chosen: chosen(&shot),
@@ -222,14 +222,14 @@ impl Measuring<'_> {
     }
 
     /// Leaves each part out in turn.
-    fn parts(&mut self) -> Result<Vec<(left_out::Omission, Candidate)>> {
+    fn parts(&mut self) -> Result<Vec<(left_out::Omission, TimedRun)>> {
         let parts = parts(&self.subject, &self.given.made.outcome);
         let without = |part: left_out::Omission| {
             (self.say)(&format!("without {}", part.name));
             let shot = self.subject.shot(&part.change)?;
             let difference = CodeDifference::between(&self.given.codes, &shot.codes, &self.counts);
             self.subject.engine.recycle(shot.made.outcome);
-            let candidate = Candidate {
+            let candidate = TimedRun {
                 change: part.change.clone(),
                 difference,
                 first: shot.used,
@@ -242,7 +242,7 @@ impl Measuring<'_> {
         parts.into_iter().map(without).collect()
     }
 
-    fn times(&mut self, candidates: &[&Candidate]) -> Result<Timed> {
+    fn times(&mut self, candidates: &[&TimedRun]) -> Result<Timed> {
         let timed: Vec<_> = candidates.iter().filter(|c| c.is_timed).collect();
         let first = timed.iter().map(|candidate| candidate.first);
         let first: Vec<Spent> = std::iter::once(self.given.used).chain(first).collect();
@@ -262,9 +262,9 @@ impl Measuring<'_> {
 }
 
 /// The cost of each candidate, in rounds or once.
-fn costs(candidates: &[&Candidate], times: &Timed) -> Vec<TimedCost> {
+fn costs(candidates: &[&TimedRun], times: &Timed) -> Vec<TimedCost> {
     let mut in_rounds = times.others.iter();
-    let cost = |candidate: &&Candidate| match candidate.is_timed {
+    let cost = |candidate: &&TimedRun| match candidate.is_timed {
         true => *in_rounds.next().expect("all of these are timed"),
         false => TimedCost::once(candidate.first),
     };

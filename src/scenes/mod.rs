@@ -207,7 +207,7 @@ fn frame(width: usize, height: usize, at: impl Fn(usize, usize) -> Option<(DVec3
 }
 
 /// A piece of the barriers: a cap of a ball, or a roof of two slopes.
-struct Piece {
+struct BarrierPiece {
     x: f64,
     y: f64,
     reach: f64,
@@ -216,7 +216,7 @@ struct Piece {
     across: Option<f64>,
 }
 
-impl Piece {
+impl BarrierPiece {
     /// Normal and depth if it covers (`x`, `y`), rows running down.
     fn at(&self, x: f64, y: f64) -> Option<(DVec3, f64)> {
         let (dx, dy) = (x - self.x, self.y - y);
@@ -240,8 +240,8 @@ impl Piece {
 
 /// A ground and 90 pieces on it, scattered by irrational steps, each a few per cent of the distance above the next:
 /// silhouettes that are faint, half and full.
-fn pieces(width: f64, height: f64) -> Vec<Piece> {
-    let ground = Piece {
+fn pieces(width: f64, height: f64) -> Vec<BarrierPiece> {
+    let ground = BarrierPiece {
         x: 0.5 * width,
         y: 0.5 * height,
         reach: 2.0 * width.hypot(height),
@@ -249,7 +249,7 @@ fn pieces(width: f64, height: f64) -> Vec<Piece> {
         across: Some(0.4),
     };
     let step = |i: u32, by: f64| (f64::from(i) * by).fract();
-    let scattered = (1..=90).map(|i| Piece {
+    let scattered = (1..=90).map(|i| BarrierPiece {
         x: width * step(i, 0.618_033_988_7),
         y: height * step(i, 0.414_213_562_4),
         reach: height * (0.02 + 0.1 * step(i, 0.732_050_807_6)),

@@ -40,7 +40,7 @@ pub(crate) fn hessian_row(
     }
     for start in inner.clone().step_by(BLOCK) {
         let columns = start..(start + BLOCK).min(inner.end);
-        let block = Block::new(gx, gy, conductance, &columns);
+        let block = ColumnBlock::new(gx, gy, conductance, &columns);
         let n = columns.len();
         let (xx, xy) = (&mut xx[columns.clone()][..n], &mut xy[columns.clone()][..n]);
         let yy = &mut yy[columns][..n];
@@ -72,7 +72,7 @@ pub(crate) fn trace_row(
     }
     for start in inner.clone().step_by(BLOCK) {
         let columns = start..(start + BLOCK).min(inner.end);
-        let block = Block::new(gx, gy, conductance, &columns);
+        let block = ColumnBlock::new(gx, gy, conductance, &columns);
         let n = columns.len();
         let trace = &mut trace[columns][..n];
         if block.is_open() {
@@ -93,13 +93,13 @@ pub(crate) fn trace_row(
 const BLOCK: usize = 128;
 
 /// Some columns of the rows around a row.
-struct Block<'a> {
+struct ColumnBlock<'a> {
     gx: [Shifted<'a>; 3],
     gy: [Shifted<'a>; 3],
     open: [Shifted<'a>; 3],
 }
 
-impl<'a> Block<'a> {
+impl<'a> ColumnBlock<'a> {
     #[inline(always)]
     fn new(gx: &Rows<'a>, gy: &Rows<'a>, open: &Rows<'a>, columns: &Range<usize>) -> Self {
         let of = |rows: &Rows<'a>| {

@@ -10,9 +10,9 @@ use crate::kernel::simd::levels::{
 use crate::params::SoftThreshold;
 use crate::shape::crease::{self, NormalRows};
 use crate::shape::curvature::cpu;
-use crate::shape::diffusion::kernel::{self, Chunk, Sum, Sweep};
+use crate::shape::diffusion::kernel::{self, Chunk, FlowSweep, Sum};
 use crate::shape::diffusion::{self, LEVELS, Update};
-use crate::shape::occlusion::{self, Step};
+use crate::shape::occlusion::{self, SliceStep};
 use crate::shape::{Rows, conductance, hessian, silhouette};
 
 fn around(rows: &[Vec<f32>; 3]) -> Rows<'_> {
@@ -113,7 +113,7 @@ fn swept<const N: usize>(simd: Simd, update: Update) -> [Vec<f32>; 2] {
         (0..count).map(chunk).collect()
     });
     let mut sums: [_; 4] = std::array::from_fn(|_| vec![Sum([[0.5; N]; 2]); count]);
-    let sweep = Sweep {
+    let sweep = FlowSweep {
         update,
         from: 1,
         weights: [0.7, -0.2],
@@ -129,7 +129,7 @@ fn swept<const N: usize>(simd: Simd, update: Update) -> [Vec<f32>; 2] {
         sweep
     ));
     let [above, at, below, ..] = &mut rows;
-    let again = Sweep { from: 0, ..sweep };
+    let again = FlowSweep { from: 0, ..sweep };
     at!(simd, |fma| kernel::sweep_row(
         fma,
         above,
@@ -231,7 +231,7 @@ fn made_of_sky(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>
     let [mut p, mut q, mut horizon] = [blank(), blank(), blank()];
     let [mut seen, mut x, mut y, mut z] = [blank(), blank(), blank(), blank()];
     at!(simd, occlusion::tangent_row(&mut p, &mut q, a));
-    let step = Step::along([0.8, 0.6], 5.0);
+    let step = SliceStep::along([0.8, 0.6], 5.0);
     at!(simd, occlusion::raise_row(&mut horizon, b, [&p, &q], &step));
     let out = [&mut seen[..], &mut x[..], &mut y[..], &mut z[..]];
     at!(

@@ -2,7 +2,9 @@
 
 use super::bounds::{Bounds, of_planes};
 use super::search::{Bounded, Crossing, first_crossing, steps_for};
-use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
+use super::texels::{
+    BeyondSides, Reached, TangentPlane, TexelShare, agreed, around, heaviest, mean_at,
+};
 use crate::frame::{ColorPlanes, Ray, Surroundings, Vector3Planes};
 use crate::params::SearchParams;
 use glam::DVec3;
@@ -188,7 +190,7 @@ impl<'a> DistanceMap<'a> {
     /// `None` where the field is 0.
     #[inline]
     pub(crate) fn direction_at(&self, field: &Vector3Planes, point: DVec3) -> Option<DVec3> {
-        let own = |t: &Texel| field.at(t.x, t.y);
+        let own = |t: &TexelShare| field.at(t.x, t.y);
         let mut sense = DVec3::ZERO;
         for t in self.texels(point - self.surroundings.center) {
             let here = own(&t);
@@ -196,7 +198,7 @@ impl<'a> DistanceMap<'a> {
                 sense = t.weight.sqrt() * here;
             }
         }
-        let alike = |t: &Texel| {
+        let alike = |t: &TexelShare| {
             let here = own(t);
             if here.dot(sense) < 0.0 { -here } else { here }
         };
@@ -205,22 +207,22 @@ impl<'a> DistanceMap<'a> {
     }
 
     #[inline]
-    fn mean_at(&self, point: DVec3, value: impl Fn(&Texel) -> DVec3) -> Option<DVec3> {
+    fn mean_at(&self, point: DVec3, value: impl Fn(&TexelShare) -> DVec3) -> Option<DVec3> {
         let toward = point - self.surroundings.center;
         let (_, distances, texels) = self.distance_toward(toward.try_normalize()?)?;
         mean_at(toward.length(), distances, &texels, value)
     }
 
     #[inline]
-    fn texels(&self, direction: DVec3) -> [Texel; 4] {
+    fn texels(&self, direction: DVec3) -> [TexelShare; 4] {
         let map = self.surroundings;
         let size = [map.width(), map.height()];
-        around(map.position(direction), size, Sides::Wraps)
+        around(map.position(direction), size, BeyondSides::Wraps)
     }
 
     /// The texel that counts most in a direction, and its plane.
     #[inline]
-    fn heaviest_plane(&self, direction: DVec3) -> (Texel, &TangentPlane) {
+    fn heaviest_plane(&self, direction: DVec3) -> (TexelShare, &TangentPlane) {
         let texel = heaviest(&self.texels(direction));
         (
             texel,
@@ -230,7 +232,10 @@ impl<'a> DistanceMap<'a> {
 
     /// The distance of the surroundings in a unit direction, and the distance by each texel around it.
     #[inline]
-    fn distance_toward(&self, direction: DVec3) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
+    fn distance_toward(
+        &self,
+        direction: DVec3,
+    ) -> Option<(f64, [Option<f64>; 4], [TexelShare; 4])> {
         let map = self.surroundings;
         let texels = self.texels(direction);
         // Mapping the array is not inlined.

@@ -63,13 +63,13 @@ pub(super) fn first_crossing(
     let share = |k: u32| f64::from(k) / f64::from(steps);
     let end = |k: u32| {
         let s = share(k);
-        gap(s).map(|gap| End { s, gap })
+        gap(s).map(|gap| PathEnd { s, gap })
     };
-    let is_front = |end: &End| end.gap > 0.0;
-    let mut before: Option<End> = None;
+    let is_front = |end: &PathEnd| end.gap > 0.0;
+    let mut before: Option<PathEnd> = None;
     // Steps after that one, in front of any surface they have.
     let mut passed = 0..0;
-    let last_in_front = |before: Option<End>, passed: Range<u32>| {
+    let last_in_front = |before: Option<PathEnd>, passed: Range<u32>| {
         passed.rev().find_map(end).or(before.filter(is_front))
     };
     let mut in_front = None;
@@ -113,7 +113,7 @@ pub(super) fn first_crossing(
 
 /// A position on the path and its gap.
 #[derive(Debug, Clone, Copy)]
-struct End {
+struct PathEnd {
     s: f64,
     gap: f64,
 }
@@ -123,8 +123,8 @@ struct End {
 #[inline]
 fn narrowed(
     refinements: u32,
-    mut front: End,
-    mut behind: End,
+    mut front: PathEnd,
+    mut behind: PathEnd,
     gap: &impl Fn(f64) -> Option<f64>,
     aimed: &impl Fn(f64) -> f64,
 ) -> Option<f64> {
@@ -150,11 +150,11 @@ fn narrowed(
         }
         match gap(s) {
             Some(gap) if gap <= 0.0 => {
-                behind = End { s, gap };
+                behind = PathEnd { s, gap };
                 weights = [0.5 * weights[0], 1.0];
             }
             Some(gap) => {
-                front = End { s, gap };
+                front = PathEnd { s, gap };
                 weights = [1.0, 0.5 * weights[1]];
             }
             None => front.s = s,

@@ -2,7 +2,9 @@
 
 use super::bounds::{Bounds, of_planes};
 use super::search::{Bounded, Crossing, first_crossing, steps_for};
-use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
+use super::texels::{
+    BeyondSides, Reached, TangentPlane, TexelShare, agreed, around, heaviest, mean_at,
+};
 use crate::frame::{
     ColorPlanes, DepthKind, Frame, Plane, Projection, Ray, SightLines, Vector2Planes,
 };
@@ -165,7 +167,7 @@ impl<'a> SeenSurface<'a> {
         }
     }
 
-    fn plane(&self, texel: &Texel) -> &TangentPlane {
+    fn plane(&self, texel: &TexelShare) -> &TangentPlane {
         &self.planes[texel.y * self.frame().mask.width() + texel.x]
     }
 
@@ -217,7 +219,7 @@ impl<'a> SeenSurface<'a> {
         point: DVec3,
     ) -> Option<[f32; 3]> {
         let (_, distances, texels) = self.depth_at(at)?;
-        let own = |t: &Texel| {
+        let own = |t: &TexelShare| {
             let [r, g, b] = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(r, g, b)
         };
@@ -237,7 +239,7 @@ impl<'a> SeenSurface<'a> {
         point: DVec3,
     ) -> Option<DVec2> {
         let (_, distances, texels) = self.depth_at(at)?;
-        let doubled = |t: &Texel| {
+        let doubled = |t: &TexelShare| {
             let [x, y] = [&field.x, &field.y].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(x * x - y * y, 2.0 * x * y, 0.0)
         };
@@ -254,7 +256,7 @@ impl<'a> SeenSurface<'a> {
 
     /// Depth along the view axis at a position in the picture, and the distance by each texel around it.
     #[inline]
-    fn depth_at(&self, at: DVec2) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
+    fn depth_at(&self, at: DVec2) -> Option<(f64, [Option<f64>; 4], [TexelShare; 4])> {
         let mask = &self.frame().mask;
         let size = [mask.width(), mask.height()];
         let inside = at - self.visible.corner();
@@ -265,7 +267,7 @@ impl<'a> SeenSurface<'a> {
         if !is_inside {
             return None;
         }
-        let texels = around(inside, size, Sides::Ends);
+        let texels = around(inside, size, BeyondSides::Ends);
         let (start, line) = self.visible.sight.line(at.x, at.y);
         // Mapping the array is not inlined.
         let mut distances = [None; 4];
@@ -276,7 +278,7 @@ impl<'a> SeenSurface<'a> {
     }
 
     /// The path of a ray through the picture, as far as it can hit the surface; `None` if it cannot.
-    fn way(&self, ray: &Ray) -> Option<Way> {
+    fn way(&self, ray: &Ray) -> Option<StraightPath> {
         let projection = self.visible.sight.projection();
         let inverse = matches!(projection, Projection::Perspective { .. });
         let [nearest, farthest] = self.depths;
@@ -300,7 +302,7 @@ impl<'a> SeenSurface<'a> {
         }
         let end = ray.start + length * ray.direction;
         let (from, to) = (projection.pixel_of(ray.start)?, projection.pixel_of(end)?);
-        let way = Way {
+        let way = StraightPath {
             places: [from, to],
             depths: [start, -end.z],
             inverse,
@@ -342,13 +344,13 @@ fn bounds(planes: &[TangentPlane], width: usize) -> Bounds {
 
 /// A straight path through the picture, even in pixels: along it 1/depth is linear in perspective, else depth is.
 #[derive(Debug, Clone, Copy)]
-struct Way {
+struct StraightPath {
     places: [DVec2; 2],
     depths: [f64; 2],
     inverse: bool,
 }
 
-impl Way {
+impl StraightPath {
     #[inline]
     fn place(&self, s: f64) -> (DVec2, f64) {
         let [from, to] = self.places;

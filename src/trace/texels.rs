@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 /// A texel and its bilinear weight.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Texel {
+pub(super) struct TexelShare {
     pub(super) x: usize,
     pub(super) y: usize,
     pub(super) weight: f64,
@@ -13,7 +13,7 @@ pub(super) struct Texel {
 
 /// Extension of a map beyond its sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Sides {
+pub(super) enum BeyondSides {
     /// The nearest texel is repeated.
     Ends,
     /// The opposite side follows.
@@ -23,19 +23,23 @@ pub(super) enum Sides {
 /// The texels around the position `at`, in pixels from the upper left corner of a map; all weights are 0 for a
 /// non-finite position.
 #[inline]
-pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [Texel; 4] {
+pub(super) fn around(
+    at: DVec2,
+    [width, height]: [usize; 2],
+    sides: BeyondSides,
+) -> [TexelShare; 4] {
     let corner = at - 0.5;
     let (left, top) = (corner.x.floor(), corner.y.floor());
     let (across, down) = (corner.x - left, corner.y - top);
     let column = |x: f64| match sides {
-        Sides::Ends => x.clamp(0.0, (width - 1) as f64) as usize,
+        BeyondSides::Ends => x.clamp(0.0, (width - 1) as f64) as usize,
         // Positions are on the map: one turn is enough, and a division is slow.
-        Sides::Wraps if x < 0.0 => width - 1,
-        Sides::Wraps if x as usize >= width => 0,
-        Sides::Wraps => x as usize,
+        BeyondSides::Wraps if x < 0.0 => width - 1,
+        BeyondSides::Wraps if x as usize >= width => 0,
+        BeyondSides::Wraps => x as usize,
     };
     let row = |y: f64| y.clamp(0.0, (height - 1) as f64) as usize;
-    let texel = |x: f64, y: f64, weight: f64| Texel {
+    let texel = |x: f64, y: f64, weight: f64| TexelShare {
         x: column(x),
         y: row(y),
         weight: if weight >= 0.0 { weight } else { 0.0 },
@@ -49,8 +53,8 @@ pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [T
 }
 
 /// The texel with the largest weight.
-pub(super) fn heaviest(texels: &[Texel; 4]) -> Texel {
-    let heavier = |a: Texel, b: &Texel| if b.weight > a.weight { *b } else { a };
+pub(super) fn heaviest(texels: &[TexelShare; 4]) -> TexelShare {
+    let heavier = |a: TexelShare, b: &TexelShare| if b.weight > a.weight { *b } else { a };
     texels.iter().fold(texels[0], heavier)
 }
 
@@ -135,7 +139,7 @@ impl TangentPlane {
 /// One distance from those of the texels around a position: their mean if they agree, else that of the nearest texel.
 /// `None` if none has one.
 #[inline]
-pub(super) fn agreed(distances: [Option<f64>; 4], texels: &[Texel; 4]) -> Option<f64> {
+pub(super) fn agreed(distances: [Option<f64>; 4], texels: &[TexelShare; 4]) -> Option<f64> {
     let (mut sum, mut weights, mut heaviest) = (0.0, 0.0, (0.0, 0.0));
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for (distance, texel) in distances.into_iter().zip(texels) {
@@ -160,11 +164,11 @@ pub(super) fn agreed(distances: [Option<f64>; 4], texels: &[Texel; 4]) -> Option
 pub(super) fn mean_at(
     distance: f64,
     distances: [Option<f64>; 4],
-    texels: &[Texel; 4],
-    value: impl Fn(&Texel) -> DVec3,
+    texels: &[TexelShare; 4],
+    value: impl Fn(&TexelShare) -> DVec3,
 ) -> Option<DVec3> {
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
-    let mut heaviest: Option<&Texel> = None;
+    let mut heaviest: Option<&TexelShare> = None;
     for (own, texel) in distances.into_iter().zip(texels) {
         let Some(own) = own else { continue };
         if heaviest.is_none_or(|other| texel.weight > other.weight) {

@@ -4,11 +4,11 @@ use super::canvas::{Painted, ViewCanvas};
 use super::controls::Controls;
 use super::files::{self, FileDialogs, FilePurpose};
 use super::gallery::gallery;
-use super::handles::{Place, handles};
+use super::handles::{PicturePlace, handles};
 use super::history::History;
 use super::layer::ShownLayer;
 use super::lights::Lights;
-use super::look::{LightFile, Look, Opening, Reading};
+use super::look::{LightFile, Look, Opening, ShownFile};
 use super::notices::Notices;
 use super::overlay;
 use super::picks::Picks;
@@ -16,7 +16,7 @@ use super::probe::ProbedValue;
 use super::shortcuts;
 use super::texture::ViewTexture;
 use super::thumbnails::Thumbnails;
-use super::worker::{Order, Reply, Save, ShownPicture, ViewTask, Wanted, Worker};
+use super::worker::{Order, Reply, Save, ShownPicture, ToShow, ViewTask, Worker};
 use crate::command::frames_there::frames_on_disk;
 use eframe::egui::{
     CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, Vec2, vec2,
@@ -35,7 +35,7 @@ pub(super) struct Notice {
 
 /// A request sent to the worker.
 struct Ordered {
-    wanted: Wanted,
+    wanted: ToShow,
     number: u64,
     is_quick: bool,
     is_met: bool,
@@ -246,7 +246,7 @@ impl View {
             let at = area.left_top() + vec2(20.0, 20.0);
             overlay::caption(&ui.painter_at(area), at, "before");
         } else if self.layer == ShownLayer::Picture && !self.hides_handles {
-            let place = Place {
+            let place = PicturePlace {
                 area,
                 picture: seen.rect,
                 size: shown.size,
@@ -282,7 +282,7 @@ impl View {
         let Some(reading) = self.reading() else {
             return;
         };
-        let wanted = Wanted {
+        let wanted = ToShow {
             look: self.look.clone(),
             reading,
             layer: self.layer,
@@ -387,9 +387,9 @@ impl View {
         input.map_or(String::new(), |path| path.display().to_string())
     }
 
-    fn reading(&self) -> Option<Reading> {
+    fn reading(&self) -> Option<ShownFile> {
         let frames = self.frames.as_ref();
-        Some(Reading {
+        Some(ShownFile {
             input: self.input.clone()?,
             frame: frames.and_then(|frames| frames.get(self.frame_index).copied()),
         })

@@ -1,6 +1,6 @@
 //! A ball on which lights are dragged.
 
-use super::lights::Light;
+use super::lights::FarLight;
 use eframe::egui::{
     self, Color32, Mesh, Painter, Pos2, Response, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
     pos2, vec2,
@@ -20,7 +20,7 @@ const MARK: Color32 = Color32::from_rgb(240, 150, 30);
 const EVEN: f32 = 0.12;
 
 /// The ball, lit by `lights`; dragging moves the nearest one. The response is marked as changed if a light moved.
-pub(super) fn ball(ui: &mut Ui, lights: &mut [Light]) -> Response {
+pub(super) fn ball(ui: &mut Ui, lights: &mut [FarLight]) -> Response {
     let (rect, mut response) = ui.allocate_exact_size(Vec2::splat(SIZE), Sense::click_and_drag());
     let radius = 0.5 * SIZE - 6.0;
     let middle = rect.center();
@@ -29,7 +29,7 @@ pub(super) fn ball(ui: &mut Ui, lights: &mut [Light]) -> Response {
     if let Some(pointer) = response.interact_pointer_pos() {
         let place = (pointer - middle) / radius;
         let nearest = || {
-            let far = |light: &Light| (light.on_ball() - place).length();
+            let far = |light: &FarLight| (light.on_ball() - place).length();
             let nearest =
                 (0..lights.len()).min_by(|&a, &b| far(&lights[a]).total_cmp(&far(&lights[b])));
             nearest.unwrap_or(0)
@@ -57,7 +57,7 @@ pub(super) fn ball(ui: &mut Ui, lights: &mut [Light]) -> Response {
     response.on_hover_text("Drag: where the light comes from.\nIn the middle it shines from the viewer, at the rim from the side.")
 }
 
-fn paint(ui: &Ui, middle: Pos2, radius: f32, lights: &[Light]) {
+fn paint(ui: &Ui, middle: Pos2, radius: f32, lights: &[FarLight]) {
     let painter = ui.painter();
     let toward: Vec<_> = lights
         .iter()
@@ -142,6 +142,6 @@ pub(super) fn rim_of_light(painter: &Painter, at: Pos2, radius: f32, degrees: f3
 }
 
 /// Unit direction to a light, x right, y up, z toward the viewer.
-fn to_light(light: &Light) -> [f32; 3] {
+fn to_light(light: &FarLight) -> [f32; 3] {
     crate::light::lights::direction_of(light.azimuth, light.elevation).to_array()
 }

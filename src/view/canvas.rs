@@ -50,7 +50,7 @@ pub(super) struct Painted<'a> {
 }
 
 /// Pointer and zoom after a frame of the window.
-pub(super) struct Seen {
+pub(super) struct CanvasFrame {
     /// The pixel under the pointer.
     pub(super) pixel: Option<[usize; 2]>,
     /// Points per pixel.
@@ -71,7 +71,7 @@ impl ViewCanvas {
         self.zoom = Some(zoom);
     }
 
-    pub(super) fn show(&mut self, ui: &mut Ui, painted: &Painted) -> Seen {
+    pub(super) fn show(&mut self, ui: &mut Ui, painted: &Painted) -> CanvasFrame {
         let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Picture"));
         let size = vec2(
@@ -124,7 +124,7 @@ impl ViewCanvas {
                 ]
             })
         });
-        Seen {
+        CanvasFrame {
             pixel,
             zoom: self.zoom.unwrap_or(fitting),
             rect,

@@ -1,6 +1,6 @@
 //! The presets, each applied to the open frame.
 
-use super::look::{Look, Reading};
+use super::look::{Look, ShownFile};
 use super::thumbnails::{Motif, Thumbnails, tile};
 use eframe::egui::{Context, Grid, Vec2, Window, vec2};
 
@@ -15,7 +15,7 @@ pub(super) fn gallery(
     context: &Context,
     is_open: &mut bool,
     look: &mut Look,
-    reading: &Reading,
+    reading: &ShownFile,
     thumbnails: &mut Thumbnails,
 ) {
     Window::new("Presets")

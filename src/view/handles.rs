@@ -1,7 +1,7 @@
 //! Handles in the picture: point lights are dragged over the surface, area lights about a ball that fills the picture.
 
 use super::ball::{knob, rim_of_light};
-use super::lights::{Light, Lights, NearLight};
+use super::lights::{FarLight, Lights, NearLight};
 use super::overlay;
 use super::space::Space;
 use eframe::egui::{
@@ -19,13 +19,13 @@ const DOUBLING: f32 = 240.0;
 
 /// Where the picture is in the window, and the pixels it has.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PicturePlace {
     pub(super) area: Rect,
     pub(super) picture: Rect,
     pub(super) size: [usize; 2],
 }
 
-impl Place {
+impl PicturePlace {
     fn scale(&self) -> Vec2 {
         let [width, height] = self.size.map(|side| side.max(1) as f32);
         self.picture.size() / vec2(width, height)
@@ -33,7 +33,7 @@ impl Place {
 }
 
 /// Shows the handles; `lights` move with them.
-pub(super) fn handles(ui: &Ui, place: &Place, space: &Space, lights: &mut Lights) {
+pub(super) fn handles(ui: &Ui, place: &PicturePlace, space: &Space, lights: &mut Lights) {
     let far_count = lights.far.len();
     for (index, light) in lights.far.iter_mut().enumerate() {
         if light.radius.is_some() {
@@ -45,7 +45,7 @@ pub(super) fn handles(ui: &Ui, place: &Place, space: &Space, lights: &mut Lights
     }
 }
 
-fn round(ui: &Ui, place: &Place, light: &mut Light, number: usize) {
+fn round(ui: &Ui, place: &PicturePlace, light: &mut FarLight, number: usize) {
     let middle = place.picture.center();
     let ball = BALL * place.picture.size().min_elem();
     let handle = Handle::at(
@@ -69,7 +69,7 @@ fn round(ui: &Ui, place: &Place, light: &mut Light, number: usize) {
     handle.paint(ui, place, at, light.color, "scroll: larger or smaller");
 }
 
-fn near(ui: &Ui, place: &Place, space: &Space, light: &mut NearLight, number: usize) {
+fn near(ui: &Ui, place: &PicturePlace, space: &Space, light: &mut NearLight, number: usize) {
     let scale = place.scale();
     let seen = |light: &NearLight| {
         let pixel = space.pixel_of(light.position)?;
@@ -108,7 +108,7 @@ struct Handle {
 
 impl Handle {
     /// The handle of a light at `at`, moved to the border if that is out of sight.
-    fn at(ui: &Ui, place: &Place, at: Pos2, kind: &str, number: usize) -> Self {
+    fn at(ui: &Ui, place: &PicturePlace, at: Pos2, kind: &str, number: usize) -> Self {
         let within = place.area.shrink(0.5 * GRIP);
         let at = pos2(
             at.x.clamp(within.left(), within.right()),
@@ -151,7 +151,7 @@ impl Handle {
         }
     }
 
-    fn paint(&self, ui: &Ui, place: &Place, at: Pos2, color: Option<[f32; 3]>, hint: &str) {
+    fn paint(&self, ui: &Ui, place: &PicturePlace, at: Pos2, color: Option<[f32; 3]>, hint: &str) {
         let painter = ui.painter_at(place.area);
         knob(&painter, at, color);
         if self.response.hovered() || self.response.dragged() {

@@ -1,7 +1,7 @@
 //! The layers of a frame that can be shown.
 
 use super::flow;
-use super::look::{Pixels, Said, What};
+use super::look::{OneLine, ViewPixels, What};
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};
 use crate::plan::outcome::Outcome;
@@ -99,7 +99,11 @@ impl ShownLayer {
 ///
 /// # Errors
 /// The missing product.
-pub(super) fn pixels(layer: ShownLayer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
+pub(super) fn pixels(
+    layer: ShownLayer,
+    frame: &Frame,
+    outcome: &Outcome,
+) -> Result<ViewPixels, OneLine> {
     let shape = &outcome.shape;
     let made = match layer {
         ShownLayer::Grey(product) => {
@@ -137,12 +141,12 @@ fn luminance(color: &ColorPlanes, frame: &Frame) -> Plane {
     Plane::from_samples(color.r.width(), color.r.height(), luminance.collect())
 }
 
-fn grey(plane: &Plane, is_linear: bool) -> Pixels {
+fn grey(plane: &Plane, is_linear: bool) -> ViewPixels {
     let color = ColorPlanes {
         r: plane.clone(),
         ..ColorPlanes::default()
     };
-    Pixels::of(&Picture {
+    ViewPixels::of(&Picture {
         grey: true,
         ..Picture::of(
             &color,

@@ -1,7 +1,7 @@
 //! The ball, and a row of numbers for each light.
 
 use super::ball::ball;
-use super::lights::{Light, Lights, NearLight};
+use super::lights::{FarLight, Lights, NearLight};
 use super::look::Look;
 use super::setting_row::{Changes, named_button};
 use crate::params::MAX_LIGHTS;
@@ -24,7 +24,7 @@ pub(super) fn light_rows(ui: &mut Ui, look: &mut Look, changes: &mut Changes) {
     ui.add_enabled_ui(has_room, |ui| {
         ui.horizontal(|ui| {
             if ui.small_button("Add a light").clicked() {
-                lights.far.push(Light {
+                lights.far.push(FarLight {
                     radius: None,
                     ..another(&lights.far)
                 });
@@ -34,7 +34,7 @@ pub(super) fn light_rows(ui: &mut Ui, look: &mut Look, changes: &mut Changes) {
                 .on_hover_text("A round light: softer shadows")
                 .clicked()
             {
-                lights.far.push(Light {
+                lights.far.push(FarLight {
                     radius: Some(RADIUS_DEG),
                     ..another(&lights.far)
                 });
@@ -51,13 +51,13 @@ pub(super) fn light_rows(ui: &mut Ui, look: &mut Look, changes: &mut Changes) {
 }
 
 /// A quarter of a turn from the last one; the lamp, if there is none.
-fn another(lights: &[Light]) -> Light {
+fn another(lights: &[FarLight]) -> FarLight {
     match lights.last() {
-        Some(last) => Light {
+        Some(last) => FarLight {
             azimuth: last.azimuth - 90.0,
             ..*last
         },
-        None => Light::lamp(),
+        None => FarLight::lamp(),
     }
 }
 
@@ -85,7 +85,7 @@ fn rows<L: Copy>(
     kept.collect()
 }
 
-fn far_row(ui: &mut Ui, name: &str, light: &mut Light) {
+fn far_row(ui: &mut Ui, name: &str, light: &mut FarLight) {
     let azimuth = ui.add(degrees(&mut light.azimuth).range(-180.0..=360.0));
     named_number(&azimuth, &format!("{name} azimuth"), light.azimuth);
     azimuth.on_hover_text("Azimuth: counterclockwise from the right");

@@ -15,7 +15,7 @@ pub(super) const LIGHTS: [&str; 3] = [FAR, ROUND, NEAR];
 
 /// A light far away.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Light {
+pub(super) struct FarLight {
     /// Degrees counterclockwise from the right of the picture.
     pub(super) azimuth: f32,
     /// Degrees from the picture plane toward the viewer.
@@ -25,7 +25,7 @@ pub(super) struct Light {
     pub(super) color: Option<[f32; 3]>,
 }
 
-impl Light {
+impl FarLight {
     /// Parses a value of `--light`.
     fn parse(text: &str) -> Option<Self> {
         let LightNumbers([azimuth, elevation], color) = text.parse().ok()?;
@@ -104,18 +104,18 @@ fn written(numbers: impl IntoIterator<Item = f32>, color: Option<[f32; 3]>) -> S
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Lights {
     /// Those far away, round ones last.
-    pub(super) far: Vec<Light>,
+    pub(super) far: Vec<FarLight>,
     pub(super) near: Vec<NearLight>,
 }
 
 impl Lights {
     /// The lights of `look`; `None` if one is not in the form of its flag.
     pub(super) fn of(look: &Look) -> Option<Self> {
-        let far = look.values(FAR).iter().map(|text| Light::parse(text));
+        let far = look.values(FAR).iter().map(|text| FarLight::parse(text));
         let round = look
             .values(ROUND)
             .iter()
-            .map(|text| Light::parse_round(text));
+            .map(|text| FarLight::parse_round(text));
         let near = look.values(NEAR).iter().map(|text| NearLight::parse(text));
         Some(Self {
             far: far.chain(round).collect::<Option<_>>()?,
@@ -134,7 +134,7 @@ impl Lights {
             let far = |is_round: bool| {
                 let far = lights.far.iter();
                 far.filter(move |light| light.radius.is_some() == is_round)
-                    .map(Light::text)
+                    .map(FarLight::text)
             };
             match name {
                 NEAR => {
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_light_is_where_it_was_dragged() {
-        let light = Light::parse("135,40,1,0.5,0.25").unwrap();
+        let light = FarLight::parse("135,40,1,0.5,0.25").unwrap();
         assert_eq!(light.text(), "135,40,1,0.5,0.25");
         // Up and to the left of the centre, at cos(40 degrees) of the radius.
         let place = light.on_ball();

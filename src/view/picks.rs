@@ -1,7 +1,7 @@
 //! Settings picked among small pictures: styles and materials on the open frame, and light from files beside it.
 
 use super::lights::make_way;
-use super::look::{ENVIRONMENT, LIT_SPHERE, LightFile, Look, Reading, Setting};
+use super::look::{ENVIRONMENT, LIT_SPHERE, LightFile, Look, Setting, ShownFile};
 use super::setting_row::{Changes, name_of, named_button, reset};
 use super::thumbnails::{Motif, Thumbnails, tile};
 use crate::params::{self, Kind, param};
@@ -24,7 +24,7 @@ pub(super) fn leads(name: &str) -> bool {
 /// What small pictures are made of.
 pub(super) struct Picks<'a> {
     pub(super) thumbnails: &'a mut Thumbnails,
-    pub(super) reading: Option<&'a Reading>,
+    pub(super) reading: Option<&'a ShownFile>,
     pub(super) light_files: &'a [LightFile],
 }
 
@@ -36,7 +36,7 @@ impl Picks<'_> {
 }
 
 /// A choice of a setting.
-struct Choice {
+struct SettingChoice {
     value: String,
     name: String,
     help: String,
@@ -59,7 +59,7 @@ pub(super) fn picks(
     let name = setting.name.as_str();
     let current = look.value(name).or(setting.default.as_deref());
     let current = current.map(String::from);
-    let choices: Vec<Choice> = match FILES.iter().find(|file| **file == name) {
+    let choices: Vec<SettingChoice> = match FILES.iter().find(|file| **file == name) {
         Some(_) => of_files(name, pictures.light_files),
         None => of_words(name, look, reading),
     };
@@ -106,12 +106,12 @@ pub(super) fn picks(
 }
 
 /// The words of a setting, each as the frame looks with it.
-fn of_words(name: &str, look: &Look, reading: &Reading) -> Vec<Choice> {
+fn of_words(name: &str, look: &Look, reading: &ShownFile) -> Vec<SettingChoice> {
     let words: &[params::Choice] = match param(name).map(|row| row.kind) {
         Some(Kind::Choice(words) | Kind::ChoiceOrFolder(words)) => words,
         _ => &[],
     };
-    let choice = |word: &params::Choice| Choice {
+    let choice = |word: &params::Choice| SettingChoice {
         value: word.name.into(),
         name: word.name.into(),
         help: word.doc.join("\n").trim().into(),
@@ -122,9 +122,9 @@ fn of_words(name: &str, look: &Look, reading: &Reading) -> Vec<Choice> {
 }
 
 /// The files that a setting may take.
-fn of_files(name: &str, files: &[LightFile]) -> Vec<Choice> {
+fn of_files(name: &str, files: &[LightFile]) -> Vec<SettingChoice> {
     let files = files.iter().filter(|file| file.setting == name);
-    let choice = |file: &LightFile| Choice {
+    let choice = |file: &LightFile| SettingChoice {
         value: file.path.display().to_string(),
         name: file
             .path

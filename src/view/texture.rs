@@ -1,6 +1,6 @@
 //! A picture as textures, in tiles within the device's size limit.
 
-use super::look::Pixels;
+use super::look::ViewPixels;
 use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle,
     TextureOptions, pos2, vec2,
@@ -15,7 +15,7 @@ const OPTIONS: TextureOptions = TextureOptions {
     ..TextureOptions::LINEAR
 };
 
-struct Tile {
+struct TextureTile {
     /// First column and row of the tile.
     at: [usize; 2],
     size: [usize; 2],
@@ -25,12 +25,12 @@ struct Tile {
 /// A picture ready for painting.
 pub(super) struct ViewTexture {
     pub(super) size: [usize; 2],
-    tiles: Vec<Tile>,
+    tiles: Vec<TextureTile>,
 }
 
 impl ViewTexture {
     /// Uploads `pixels`, reusing the textures of `last` where sizes match.
-    pub(super) fn of(context: &Context, pixels: &Pixels, last: Option<Self>) -> Self {
+    pub(super) fn of(context: &Context, pixels: &ViewPixels, last: Option<Self>) -> Self {
         let size = [pixels.width, pixels.height];
         let limit = context.input(|input| input.max_texture_side.clamp(1, MOST));
         let mut spare = last
@@ -50,7 +50,7 @@ impl ViewTexture {
                 }
                 None => context.load_texture("picture", image, OPTIONS),
             };
-            Tile {
+            TextureTile {
                 at,
                 size: part,
                 handle,
@@ -72,7 +72,7 @@ impl ViewTexture {
             rect.min + vec2(x as f32 * scale.x, y as f32 * scale.y)
         };
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        for Tile { at, size, handle } in &self.tiles {
+        for TextureTile { at, size, handle } in &self.tiles {
             let end = [at[0] + size[0], at[1] + size[1]];
             let to = Rect::from_min_max(place(*at), place(end));
             painter.image(handle.id(), to, whole, Color32::WHITE);
@@ -81,7 +81,7 @@ impl ViewTexture {
 }
 
 /// A tile of the picture.
-fn image(pixels: &Pixels, at: [usize; 2], size: [usize; 2]) -> ColorImage {
+fn image(pixels: &ViewPixels, at: [usize; 2], size: [usize; 2]) -> ColorImage {
     let rows = (at[1]..at[1] + size[1]).flat_map(|y| {
         let first = y * pixels.width + at[0];
         &pixels.rgba[first..first + size[0]]

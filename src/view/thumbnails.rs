@@ -1,6 +1,6 @@
 //! Small pictures of choices, made by the worker while it has nothing else to do.
 
-use super::look::{LightFile, Look, Pixels, Reading};
+use super::look::{LightFile, Look, ShownFile, ViewPixels};
 use super::texture::ViewTexture;
 use eframe::egui::{
     Color32, Context, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
@@ -19,7 +19,7 @@ const NAME: f32 = 15.0;
 pub(super) enum Motif {
     /// The frame with a look. It is reduced, and lengths are in pixels of what it is reduced to: strokes are as large as
     /// in a picture of that size.
-    Look(Look, Reading),
+    Look(Look, ShownFile),
     /// A picture that light comes from.
     Light(LightFile),
 }
@@ -28,7 +28,7 @@ pub(super) enum Motif {
 pub(super) struct Small([ViewTexture; 2]);
 
 impl Small {
-    fn of(context: &Context, pixels: &Pixels, last: Option<Self>) -> Self {
+    fn of(context: &Context, pixels: &ViewPixels, last: Option<Self>) -> Self {
         let [whole, half] = last.map_or([None, None], |Self(last)| last.map(Some));
         Self([
             ViewTexture::of(context, pixels, whole),
@@ -84,7 +84,7 @@ impl Thumbnails {
         &mut self,
         context: &Context,
         choice: (String, Motif),
-        pixels: Option<Pixels>,
+        pixels: Option<ViewPixels>,
     ) {
         // One of before the last order leaves that on its way.
         self.ordered.retain(|ordered| *ordered != choice);
@@ -112,7 +112,7 @@ impl Thumbnails {
 }
 
 /// A picture with half as many rows and columns: of each square of four pixels the mean, weighted by alpha.
-fn halved(pixels: &Pixels) -> Pixels {
+fn halved(pixels: &ViewPixels) -> ViewPixels {
     let [width, height] = [pixels.width, pixels.height].map(|side| (side / 2).max(1));
     let square = |x: usize, y: usize| {
         let [columns, rows] =
@@ -137,7 +137,7 @@ fn halved(pixels: &Pixels) -> Pixels {
         let [r, g, b] = [r, g, b].map(|c| ((c + a / 2) / a.max(1)) as u8);
         [r, g, b, (a / count) as u8]
     };
-    Pixels {
+    ViewPixels {
         width,
         height,
         rgba: (0..width * height).map(mean).collect(),
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn halves_hold_the_mean_of_what_covers() {
         let [red, clear, dark] = [[200, 0, 0, 255], [0, 90, 0, 0], [100, 0, 0, 255]];
-        let pixels = Pixels {
+        let pixels = ViewPixels {
             width: 3,
             height: 2,
             rgba: vec![red, clear, dark, dark, clear, dark],
@@ -201,7 +201,7 @@ mod tests {
         // (200 + 100) / 2, covered by half; the column too many is left out.
         assert_eq!(
             halved(&pixels),
-            Pixels {
+            ViewPixels {
                 width: 1,
                 height: 1,
                 rgba: vec![[150, 0, 0, 127]],

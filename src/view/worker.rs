@@ -4,7 +4,7 @@ use super::arrows::{Arrow, arrows};
 use super::layer::{self, ShownLayer};
 use super::lights::{Lights, NearLight};
 use super::look::{
-    LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
+    LightFile, Look, OneLine, SavePicture, ShownFile, ViewPixels, ViewSession, What, light_files,
 };
 use super::probe::{self, ProbedValue};
 use super::space::{Space, before_the_middle};
@@ -26,9 +26,9 @@ const STEPS: [usize; 3] = [1, 2, 4];
 
 /// The picture that is to be shown.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Wanted {
+pub(super) struct ToShow {
     pub(super) look: Look,
-    pub(super) reading: Reading,
+    pub(super) reading: ShownFile,
     pub(super) layer: ShownLayer,
     /// Whether the comparison is wanted too: the same relighting without shape enhancement, or the input picture.
     pub(super) before: bool,
@@ -38,7 +38,7 @@ pub(super) struct Wanted {
 #[derive(Debug, Clone)]
 pub(super) struct Order {
     pub(super) number: u64,
-    pub(super) wanted: Wanted,
+    pub(super) wanted: ToShow,
     /// The setting being changed; run times are recorded by it.
     pub(super) changed: Option<String>,
     /// Whether it is still being changed: a preview will do.
@@ -61,8 +61,8 @@ pub(super) struct ShownPicture {
     /// Width and height of the whole picture, and the pixel aspect ratio (width / height).
     pub(super) size: [usize; 2],
     pub(super) pixel_aspect: f32,
-    pub(super) pixels: Arc<Pixels>,
-    pub(super) before: Option<Arc<Pixels>>,
+    pub(super) pixels: Arc<ViewPixels>,
+    pub(super) before: Option<Arc<ViewPixels>>,
     pub(super) arrows: Vec<Arrow>,
     pub(super) space: Space,
     /// Automatic choices, by setting.
@@ -77,25 +77,25 @@ pub(super) struct ShownPicture {
 pub(super) enum Reply {
     Shown(Box<ShownPicture>),
     /// The order failed.
-    Failed(u64, Said),
+    Failed(u64, OneLine),
     /// The values at a pixel.
     Probed([usize; 2], Vec<ProbedValue>),
     /// The outcome of saving a file.
-    Saved(Result<PathBuf, Said>),
+    Saved(Result<PathBuf, OneLine>),
     /// A new light near the surface.
-    Placed(Result<NearLight, Said>),
+    Placed(Result<NearLight, OneLine>),
     /// What may be light beside a picture.
     Found(Vec<LightFile>),
     /// The small picture of a choice, by its name; `None` if there is none.
-    Small((String, Motif), Option<Pixels>),
+    Small((String, Motif), Option<ViewPixels>),
 }
 
 /// What the worker is asked for.
 #[derive(Debug, Clone)]
 pub(super) enum ViewTask {
-    Save(Save, Look, Reading, PathBuf),
+    Save(Save, Look, ShownFile, PathBuf),
     /// A place for a light near the surface.
-    Place(Look, Reading),
+    Place(Look, ShownFile),
     Show(Order),
     /// The values at a pixel.
     Probe([usize; 2]),
@@ -267,10 +267,10 @@ impl ViewWorker {
         }
     }
 
-    fn show(&mut self, order: &Order) -> Result<ShownPicture, Said> {
+    fn show(&mut self, order: &Order) -> Result<ShownPicture, OneLine> {
         let start = Instant::now();
         let step = self.step(order);
-        let Wanted {
+        let ToShow {
             look,
             reading,
             layer,
@@ -322,7 +322,7 @@ impl ViewWorker {
     }
 
     /// A place for a light near the surface: the frame is read again, with the depth and camera that such light takes.
-    fn place(&mut self, look: &Look, reading: &Reading) -> Result<NearLight, Said> {
+    fn place(&mut self, look: &Look, reading: &ShownFile) -> Result<NearLight, OneLine> {
         let mut lit = look.clone();
         let black = NearLight {
             position: [0.0; 3],
@@ -348,7 +348,12 @@ impl ViewWorker {
     }
 
     /// Writes the same recipe as the command line with these settings.
-    fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
+    fn save_recipe(
+        &mut self,
+        look: &Look,
+        reading: &ShownFile,
+        path: &Path,
+    ) -> Result<(), OneLine> {
         self.session.make(look, reading, What::Picture, 1)?;
         let text = self.session.recipe(look, reading)?;
         let written = write_text(path, Replace::IfWritable, &text);
@@ -356,7 +361,7 @@ impl ViewWorker {
     }
 
     /// Writes the picture through the command line's own code.
-    fn save_picture(&self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
+    fn save_picture(&self, look: &Look, reading: &ShownFile, path: &Path) -> Result<(), OneLine> {
         let numbered = reading
             .frame
             .and_then(|frame| crate::io::sequence::path_of_frame(&reading.input, frame));

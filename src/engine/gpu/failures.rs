@@ -6,7 +6,7 @@ use crate::engine::inputs::Inputs;
 use crate::error::Error;
 use crate::frame::Frame;
 use crate::gpu::device::{Choice, Device, to_test_on};
-use crate::gpu::fault::{Fault, watched};
+use crate::gpu::fault::{RunFault, watched};
 use crate::gpu::limits;
 use crate::params::{Scale, ScalingParams, ShapeParams};
 use crate::plan::outcome::Outcome;
@@ -156,7 +156,7 @@ fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
     });
     println!("{size} bytes: {asked:?}");
     match asked {
-        Err(Fault::TooLarge(error)) => assert_tells(&error, &runner, "has too little memory"),
+        Err(RunFault::TooLarge(error)) => assert_tells(&error, &runner, "has too little memory"),
         Err(other) => panic!("{other:?}"),
         // There is enough memory.
         Ok(()) => {}

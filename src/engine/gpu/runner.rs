@@ -8,8 +8,8 @@ use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane};
 use crate::gpu::buffers::Buffers;
 use crate::gpu::device::Device;
-use crate::gpu::fault::{Fault, watched};
-use crate::gpu::recorder::{Programs, READ_BACK, Recorder, Timings, UPLOAD};
+use crate::gpu::fault::{RunFault, watched};
+use crate::gpu::recorder::{Programs, READ_BACK, Recorder, StageTimings, UPLOAD};
 use crate::gpu::surface::deinterleave;
 use crate::gpu::wait::wait_for;
 use crate::kernel::last::Last;
@@ -17,7 +17,7 @@ use crate::kernel::shelf::Lent;
 use crate::kernel::timings::add_timings;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
-use crate::line::hatching::gpu_texture::Texture;
+use crate::line::hatching::gpu_texture::DeviceTexture;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::Plan;
 use crate::plan::execution::Execution;
@@ -47,7 +47,7 @@ pub struct Runner {
     pub(crate) programs: Programs,
     pub(crate) buffers: Buffers,
     /// The texture of strokes.
-    pub(crate) texture: Last<TonalArtMap, Texture>,
+    pub(crate) texture: Last<TonalArtMap, DeviceTexture>,
     /// Runs the parts of drawings without kernels.
     host: cpu::Runner,
     light: LightCache,
@@ -94,13 +94,13 @@ impl Runner {
     /// plan was made for other inputs, or [`Runner::lacks`] something.
     pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
         let done = self.attempt(plan, frame, inputs, Watch::default());
-        done.map_err(Fault::into_error)
+        done.map_err(RunFault::into_error)
     }
 
     /// [`Runner::execute`] that can be cancelled before each stage.
     ///
     /// # Errors
-    /// [`Fault::TooLarge`] if the device cannot hold the frame; [`Fault::Other`] as [`Runner::execute`], and
+    /// [`RunFault::TooLarge`] if the device cannot hold the frame; [`RunFault::Other`] as [`Runner::execute`], and
     /// [`Error::Cancelled`].
     pub(crate) fn attempt(
         &self,
@@ -108,9 +108,9 @@ impl Runner {
         frame: &Frame,
         inputs: Inputs,
         watch: Watch,
-    ) -> std::result::Result<Outcome, Fault> {
+    ) -> std::result::Result<Outcome, RunFault> {
         if let Some(what) = Self::lacks(plan) {
-            return Err(Fault::Other(Error::Unfit {
+            return Err(RunFault::Other(Error::Unfit {
                 found: format!("the GPU has no kernels for {what}"),
                 remedy: "run it on the CPU",
             }));
@@ -145,13 +145,13 @@ impl Runner {
     /// Does `work` on a device that is not lost; after a failure all cached device objects are dropped.
     fn guarded<T>(
         &self,
-        work: impl FnOnce() -> std::result::Result<T, Fault>,
-    ) -> std::result::Result<T, Fault> {
+        work: impl FnOnce() -> std::result::Result<T, RunFault>,
+    ) -> std::result::Result<T, RunFault> {
         if self.device.is_lost() {
             return Err(self.device.error("is gone").into());
         }
         let done = watched(&self.device, work);
-        let is_fault = !matches!(done, Ok(_) | Err(Fault::Other(Error::Cancelled)));
+        let is_fault = !matches!(done, Ok(_) | Err(RunFault::Other(Error::Cancelled)));
         if is_fault {
             self.buffers.forget();
             self.programs.forget();
@@ -164,15 +164,15 @@ impl Runner {
     }
 
     /// # Errors
-    /// [`Fault::TooLarge`] if planes of the frame exceed the limits of the device.
-    fn check_size(&self, plan: &Plan, frame: &Frame) -> std::result::Result<(), Fault> {
+    /// [`RunFault::TooLarge`] if planes of the frame exceed the limits of the device.
+    fn check_size(&self, plan: &Plan, frame: &Frame) -> std::result::Result<(), RunFault> {
         let [width, height] = [frame.mask.width() as u64, frame.mask.height() as u64];
         let planes = 4 * widest(plan) * width * height;
         let [columns, rows] = self.device.most_pixels;
         let fits = planes <= self.device.plane_bytes;
         match fits && width <= columns && height <= rows {
             true => Ok(()),
-            false => Err(Fault::TooLarge(
+            false => Err(RunFault::TooLarge(
                 self.device
                     .error(format_args!("cannot hold a picture of {width}x{height}")),
             )),
@@ -214,7 +214,7 @@ impl Runner {
             more_curvatures: Vec::new(),
             host: self.host_run(plan, frame, beside),
             at_work: None,
-            waited: Timings::new(),
+            waited: StageTimings::new(),
             held: Vec::new(),
         };
         run.upload_surface();

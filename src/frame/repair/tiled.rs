@@ -8,13 +8,13 @@ use rayon::prelude::*;
 pub(super) const TILE: [usize; 2] = [256, 64];
 
 /// A tile, and the part of the picture that something is made of it from.
-pub(super) struct Tile {
+pub(super) struct PictureTile {
     whole: Window,
     pub(super) window: Window,
     around: Window,
 }
 
-impl Tile {
+impl PictureTile {
     /// The part of a plane.
     pub(super) fn part<T: Copy>(&self, plane: &Plane<T>) -> Plane<T> {
         plane.crop(self.whole, self.around)
@@ -31,7 +31,7 @@ impl Tile {
 pub(super) fn of_tiles(
     like: &Plane,
     reach: usize,
-    make: impl Fn(&Tile) -> Option<Plane> + Sync,
+    make: impl Fn(&PictureTile) -> Option<Plane> + Sync,
 ) -> Vec<(Window, Plane)> {
     let whole = Window::from_size(like.width(), like.height());
     let across = whole.width().div_ceil(TILE[0]);
@@ -40,7 +40,7 @@ pub(super) fn of_tiles(
         let corner = [i % across * TILE[0], i / across * TILE[1]].map(|from| from as i32);
         let window = Window::at(corner[0], corner[1], TILE[0], TILE[1]).common(&whole)?;
         let around = window.grown(reach).common(&whole)?;
-        let tile = Tile {
+        let tile = PictureTile {
             whole,
             window,
             around,

@@ -1,7 +1,7 @@
 //! The width of smoothing that each pixel takes.
 
-use super::links::Links;
-use super::noise::Noise;
+use super::links::SurfaceLinks;
+use super::noise::ValueNoise;
 use super::smoothing::smoothed;
 use crate::frame::{MOST_ROWS_PER_TASK, Plane, parallel_rows};
 use crate::kernel::fast_math::exp_to_normal;
@@ -20,7 +20,7 @@ const GAINS: [f32; 6] = [FRAC_1_SQRT_2, 0.4148, 0.1677, 0.04759, 0.01219, 0.0030
 const CONFIDENCES: [f32; 6] = [2.6, 2.3, 2.0, 2.0, 2.0, 2.0];
 
 /// The slopes at the largest width whose confidence interval intersects those of all smaller ones.
-pub(super) fn choose(slopes: [Plane; 2], links: &Links, noise: &Noise) -> [Plane; 2] {
+pub(super) fn choose(slopes: [Plane; 2], links: &SurfaceLinks, noise: &ValueNoise) -> [Plane; 2] {
     let mut levels = vec![slopes];
     for widths in WIDTHS.windows(2) {
         let variance = widths[1].powi(2) - widths[0].powi(2);
@@ -37,7 +37,7 @@ const TOGETHER: usize = 256;
 
 /// The last level that agrees with all before it, in row `y`.
 #[inline(always)]
-fn reach(reached: &mut [u8], levels: &[[Plane; 2]], noise: &Noise, y: usize) {
+fn reach(reached: &mut [u8], levels: &[[Plane; 2]], noise: &ValueNoise, y: usize) {
     let steps = noise.steps(y);
     for (i, reached) in reached.chunks_mut(TOGETHER).enumerate() {
         let span = i * TOGETHER..i * TOGETHER + reached.len();
@@ -65,7 +65,13 @@ fn reach(reached: &mut [u8], levels: &[[Plane; 2]], noise: &Noise, y: usize) {
 
 /// Half the widths of confidence intervals of slopes, given those at the next width.
 #[inline(always)]
-fn half_widths(half: &mut [f32], level: usize, wider: [&[f32]; 2], noise: &Noise, steps: &[f32]) {
+fn half_widths(
+    half: &mut [f32],
+    level: usize,
+    wider: [&[f32]; 2],
+    noise: &ValueNoise,
+    steps: &[f32],
+) {
     let scale = CONFIDENCES[level] * GAINS[level];
     let slopes = wider[0].iter().zip(wider[1]).zip(steps);
     for (half, ((p, q), &step)) in half.iter_mut().zip(slopes) {
@@ -185,7 +191,7 @@ mod tests {
             SIZE,
             |x, y| if [x, y] == [SIZE / 2; 2] { 1.0 } else { 0.0 },
         );
-        let links = Links {
+        let links = SurfaceLinks {
             across: Plane::from_fn(SIZE, SIZE, |x, _| x + 1 < SIZE),
             down: Plane::from_fn(SIZE, SIZE, |_, y| y + 1 < SIZE),
         };

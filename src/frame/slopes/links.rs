@@ -1,6 +1,6 @@
 //! Which neighbours lie on the same surface, and how values change between them.
 
-use super::noise::{Noise, STEP_DEVIATION};
+use super::noise::{STEP_DEVIATION, ValueNoise};
 use crate::frame::Plane;
 use crate::frame::plane::each_row_beside;
 use crate::kernel::simd::wide;
@@ -17,15 +17,15 @@ const DEVIATIONS: f32 = 6.0;
 const SPACINGS: f32 = 4.0;
 
 /// The pairs of neighbours on the same surface.
-pub(super) struct Links {
+pub(super) struct SurfaceLinks {
     /// Between each pixel and the next one to the right.
     pub(super) across: Plane<bool>,
     /// Between each pixel and the next one down.
     pub(super) down: Plane<bool>,
 }
 
-impl Links {
-    pub(super) fn of(values: &Plane, noise: &Noise) -> Self {
+impl SurfaceLinks {
+    pub(super) fn of(values: &Plane, noise: &ValueNoise) -> Self {
         let (width, height) = (values.width(), values.height());
         let [mut across, mut down] = [(); 2].map(|()| Plane::filled(width, height, false));
         // Three samples before a row and after it are none.
@@ -101,7 +101,7 @@ fn median([l2, l1, here, r1, r2]: [f32; 5]) -> f32 {
 
 /// Slopes across and down, the mean of the differences along links, and where both are found. A pixel without links along
 /// an axis has the slope of those that it is linked with along the other one.
-pub(super) fn differences(values: &Plane, links: &Links) -> ([Plane; 2], Plane<bool>) {
+pub(super) fn differences(values: &Plane, links: &SurfaceLinks) -> ([Plane; 2], Plane<bool>) {
     let (width, height) = (values.width(), values.height());
     let mut found = Plane::filled(width, height, false);
     let [mut across, mut down] = [(); 2].map(|()| Plane::filled(width, height, 0.0));

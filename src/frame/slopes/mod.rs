@@ -13,8 +13,8 @@ mod smoothing;
 
 use crate::frame::Plane;
 use crate::frame::repair::unround_values;
-use links::Links;
-use noise::Noise;
+use links::SurfaceLinks;
+use noise::ValueNoise;
 
 /// How values are rounded in the file that they come from.
 pub(crate) enum Rounding<'a> {
@@ -80,8 +80,8 @@ pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
             found,
         };
     }
-    let noise = Noise::of(values, rounding);
-    let links = Links::of(values, &noise);
+    let noise = ValueNoise::of(values, rounding);
+    let links = SurfaceLinks::of(values, &noise);
     if let Rounding::Step(step) = *rounding
         && step > 0.0
     {
@@ -329,7 +329,7 @@ mod tests {
         });
         // A median of 4,096 absolute values is known to 1.2 %, and the least of eight of them is 1.4 times that lower.
         let (whole, floats) = (Mask::full(160, 160), Rounding::Step(0.0));
-        let noise = Noise::of(&values, &floats).white;
+        let noise = ValueNoise::of(&values, &floats).white;
         assert!((noise - 0.1).abs() < 0.005, "{noise}");
         let found = slopes_within(&values, &whole, &floats);
         // Differences have a deviation of 0.071; codes that are as coarse as the noise change little.

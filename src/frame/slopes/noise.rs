@@ -23,7 +23,7 @@ const NORMAL_MEDIAN: f32 = 0.6745;
 pub(super) const STEP_DEVIATION: f32 = 0.288_675_13;
 
 /// The noise of values.
-pub(super) struct Noise {
+pub(super) struct ValueNoise {
     /// Standard deviation of white noise.
     pub(super) white: f32,
     /// The median size of values.
@@ -33,7 +33,7 @@ pub(super) struct Noise {
     has_steps: bool,
 }
 
-impl Noise {
+impl ValueNoise {
     pub(super) fn of(values: &Plane, rounding: &Rounding) -> Self {
         let (white, size) = white_noise(values);
         let step = |step: f32| {

@@ -1,6 +1,6 @@
 //! Smoothing along links by exponential passes.
 
-use super::links::Links;
+use super::links::SurfaceLinks;
 use crate::frame::Plane;
 use crate::kernel::simd::wide;
 use rayon::prelude::*;
@@ -8,10 +8,10 @@ use rayon::prelude::*;
 /// Rows, or columns, that are smoothed together, one to a lane.
 const LANES: usize = 16;
 
-type Lanes = [f32; LANES];
+type LineLanes = [f32; LANES];
 
 /// Two planes smoothed along links by this variance.
-pub(super) fn smoothed(planes: &[Plane; 2], links: &Links, variance: f32) -> [Plane; 2] {
+pub(super) fn smoothed(planes: &[Plane; 2], links: &SurfaceLinks, variance: f32) -> [Plane; 2] {
     let decay = decay(variance);
     let mut smooth = across(planes, &links.across, decay);
     down(&mut smooth, &links.down, decay);
@@ -36,7 +36,7 @@ fn across(planes: &[Plane; 2], links: &Plane<bool>, decay: f32) -> [Plane; 2] {
         .map(|plane| plane.samples().par_chunks(rows));
     let blocks = p.zip(q).zip(links.samples().par_chunks(rows));
     blocks.zip(to_p.zip(to_q)).for_each_init(
-        || Block::new(width),
+        || LineBlock::new(width),
         |block, (((p, q), links), (to_p, to_q))| {
             for (field, block) in [p, q].iter().zip(&mut block.fields) {
                 turn(field, width, |x, lane, &v| block[x][lane] = v);
@@ -65,7 +65,7 @@ fn turn<T>(rows: &[T], width: usize, mut put: impl FnMut(usize, usize, &T)) {
 }
 
 /// Writes the lanes of a block back to a few rows.
-fn turn_back(block: &[Lanes], rows: &mut [f32], width: usize) {
+fn turn_back(block: &[LineLanes], rows: &mut [f32], width: usize) {
     for (i, tile) in block.chunks(LANES).enumerate() {
         for (lane, row) in rows.chunks_exact_mut(width).enumerate() {
             tile.iter()
@@ -81,7 +81,7 @@ fn down(planes: &mut [Plane; 2], links: &Plane<bool>, decay: f32) {
     let [p, q] = planes.each_mut().map(columns);
     let blocks = p.into_par_iter().zip(q).enumerate();
     blocks.for_each_init(
-        || Block::new(height),
+        || LineBlock::new(height),
         |block, (i, (mut p, mut q))| {
             for (field, block) in [&p, &q].into_iter().zip(&mut block.fields) {
                 for (lanes, piece) in block.iter_mut().zip(field) {
@@ -108,7 +108,10 @@ fn down(planes: &mut [Plane; 2], links: &Plane<bool>, decay: f32) {
 /// Copies as many values as both have, nearly always all lanes.
 #[inline(always)]
 fn copy(from: &[f32], to: &mut [f32]) {
-    match (<&Lanes>::try_from(from), <&mut Lanes>::try_from(&mut *to)) {
+    match (
+        <&LineLanes>::try_from(from),
+        <&mut LineLanes>::try_from(&mut *to),
+    ) {
         (Ok(from), Ok(to)) => *to = *from,
         _ => to.iter_mut().zip(from).for_each(|(to, from)| *to = *from),
     }
@@ -128,15 +131,15 @@ fn columns(plane: &mut Plane) -> Vec<Vec<&mut [f32]>> {
 }
 
 /// Lines of samples side by side.
-struct Block {
-    fields: [Vec<Lanes>; 2],
+struct LineBlock {
+    fields: [Vec<LineLanes>; 2],
     /// Weight of each sample in sums of the one before it, and the other way around.
-    weights: Vec<Lanes>,
+    weights: Vec<LineLanes>,
     /// Sums of the fields, and of weights, over a sample and all before it.
-    before: Vec<[Lanes; 3]>,
+    before: Vec<[LineLanes; 3]>,
 }
 
-impl Block {
+impl LineBlock {
     fn new(length: usize) -> Self {
         Self {
             fields: [(); 2].map(|()| vec![[0.0; LANES]; length]),

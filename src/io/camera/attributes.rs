@@ -13,13 +13,13 @@ use std::collections::BTreeMap;
 
 /// A camera that the attributes may mean.
 #[derive(Debug, Clone)]
-pub(super) struct Candidate {
+pub(super) struct CameraCandidate {
     pub(super) camera: Camera,
     /// The attributes it was read from, and how.
     pub(super) reading: String,
 }
 
-impl Candidate {
+impl CameraCandidate {
     fn new(view_from_world: DAffine3, projection: Projection, reading: String) -> Self {
         let camera = Camera {
             view_from_world,
@@ -51,12 +51,12 @@ pub(super) fn candidates(
     attributes: &BTreeMap<String, String>,
     display: Window,
     aspect: f64,
-) -> Vec<Candidate> {
+) -> Vec<CameraCandidate> {
     let by_name = attributes
         .iter()
         .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text.as_str()));
-    let attributes = Attributes(by_name.collect());
-    let picture = Picture { display, aspect };
+    let attributes = NamedAttributes(by_name.collect());
+    let picture = CameraPicture { display, aspect };
     let mut found = attributes.of_matrices(&picture);
     found.extend(attributes.of_placings(&picture));
     found.extend(attributes.of_unreal(&picture));
@@ -65,12 +65,12 @@ pub(super) fn candidates(
 }
 
 /// The pixels of the camera's picture.
-struct Picture {
+struct CameraPicture {
     display: Window,
     aspect: f64,
 }
 
-impl Picture {
+impl CameraPicture {
     fn size(&self) -> DVec2 {
         DVec2::new(self.display.width() as f64, self.display.height() as f64)
     }
@@ -89,9 +89,9 @@ impl Picture {
 }
 
 /// Attributes by their names in lower case.
-struct Attributes<'a>(BTreeMap<String, &'a str>);
+struct NamedAttributes<'a>(BTreeMap<String, &'a str>);
 
-impl Attributes<'_> {
+impl NamedAttributes<'_> {
     fn numbers(&self, name: &str) -> Option<Vec<f64>> {
         self.0.get(name).map(|text| numbers(text))
     }
@@ -110,7 +110,7 @@ impl Attributes<'_> {
     }
 
     /// `worldToCamera`, with `worldToNDC` or a lens of its own.
-    fn of_matrices(&self, picture: &Picture) -> Vec<Candidate> {
+    fn of_matrices(&self, picture: &CameraPicture) -> Vec<CameraCandidate> {
         let Some(to_camera) = self.matrix("worldtocamera") else {
             return Vec::new();
         };
@@ -125,7 +125,7 @@ impl Attributes<'_> {
                 let view_from_world = DAffine3::from_scale(axes) * camera_from_world;
                 let mut add = |projection, lens: &str| {
                     let reading = format!("worldToCamera {how}{looks}{lens}");
-                    found.push(Candidate::new(view_from_world, projection, reading));
+                    found.push(CameraCandidate::new(view_from_world, projection, reading));
                 };
                 if let Some(to_ndc) = to_ndc {
                     let ndc_from_view = read(to_ndc)
@@ -147,7 +147,7 @@ impl Attributes<'_> {
     }
 
     /// Focal length over aperture, or a field of view, under the names that renderers give them.
-    fn lens(&self, picture: &Picture) -> Option<Projection> {
+    fn lens(&self, picture: &CameraPicture) -> Option<Projection> {
         let apertures = [
             ("camerafilmaperturehorizontal", "camerafocallength"),
             ("cameraaperture", "camerafocallength"),
@@ -162,7 +162,7 @@ impl Attributes<'_> {
     }
 
     /// The camera's own placing in the world: `cameraTransform` of V-Ray, `rs/camera/transform` of Redshift.
-    fn of_placings(&self, picture: &Picture) -> Vec<Candidate> {
+    fn of_placings(&self, picture: &CameraPicture) -> Vec<CameraCandidate> {
         let names = [
             ("cameratransform", "cameraTransform", [1, 0, 2, 3]),
             ("rs/camera/transform", "rs/camera/transform", [1, 2, 0, 3]),
@@ -179,7 +179,7 @@ impl Attributes<'_> {
                 for (axes, looks) in order.map(|i| AXES[i]) {
                     let view_from_world = DAffine3::from_scale(axes) * world_from_camera.inverse();
                     let reading = format!("{stated} {how}{looks}");
-                    found.push(Candidate::new(view_from_world, projection, reading));
+                    found.push(CameraCandidate::new(view_from_world, projection, reading));
                 }
             }
         }
@@ -189,7 +189,7 @@ impl Attributes<'_> {
 
     /// `unreal/camera/[pass/]curPos`, `curRot` and `fov`, numbers in one text or in texts of their own: z up,
     /// left-handed, angles in degrees.
-    fn of_unreal(&self, picture: &Picture) -> Option<Candidate> {
+    fn of_unreal(&self, picture: &CameraPicture) -> Option<CameraCandidate> {
         let find = |what: &str| {
             let mut keys = self.0.keys();
             keys.find_map(|key| {
@@ -225,7 +225,7 @@ impl Attributes<'_> {
         };
         let view_from_world = DAffine3::from_mat3_translation(rotation, -(rotation * eye));
         let reading = "unreal/camera, a left-handed world".into();
-        Some(Candidate::new(
+        Some(CameraCandidate::new(
             view_from_world,
             picture.lens(half_tan)?,
             reading,
@@ -283,7 +283,7 @@ impl Ndc {
         Self { signed, up }
     }
 
-    fn pixel(self, ndc: DVec2, picture: &Picture) -> DVec2 {
+    fn pixel(self, ndc: DVec2, picture: &CameraPicture) -> DVec2 {
         let share = if self.signed { 0.5 * (ndc + 1.0) } else { ndc };
         let y = if self.up { 1.0 - share.y } else { share.y };
         picture.corner() + DVec2::new(share.x, y) * picture.size()
@@ -291,7 +291,7 @@ impl Ndc {
 
     /// The projection that a matrix from view space is, if that puts the view axis near the middle, x to the
     /// right and y up.
-    fn projection(self, ndc_from_view: &DMat4, picture: &Picture) -> Option<Projection> {
+    fn projection(self, ndc_from_view: &DMat4, picture: &CameraPicture) -> Option<Projection> {
         let seen = |x: f64, y: f64, z: f64| {
             let p = *ndc_from_view * DVec4::new(x, y, z, 1.0);
             self.pixel(DVec2::new(p.x, p.y) / p.w, picture)

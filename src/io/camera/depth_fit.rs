@@ -1,7 +1,7 @@
 //! The turn and the lens that carry the normals of patches onto the slopes of their depth.
 
-use super::depth_lens::{Kind, Lens};
-use super::depth_samples::{Patch, TILES};
+use super::depth_lens::{Lens, LensKind};
+use super::depth_samples::{Facet, TILES};
 use super::model::wahba;
 use super::samples::{quantile, spread_out};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
@@ -84,13 +84,13 @@ impl Cost {
 }
 
 /// Patches, and their normals in view space by a lens.
-struct Seen<'a> {
-    patches: &'a [Patch],
+struct PatchNormals<'a> {
+    patches: &'a [Facet],
     normals: Vec<Vector3<f64>>,
 }
 
-impl<'a> Seen<'a> {
-    fn by(lens: Lens, patches: &'a [Patch]) -> Self {
+impl<'a> PatchNormals<'a> {
+    fn by(lens: Lens, patches: &'a [Facet]) -> Self {
         let normals = patches.iter().map(|patch| lens.normal(patch)).collect();
         Self { patches, normals }
     }
@@ -98,7 +98,7 @@ impl<'a> Seen<'a> {
 
 /// The proper rotation that best maps weighted normals onto those of the slopes (Wahba's problem), or with `mirrored`
 /// the best improper one.
-fn best_turn(seen: &Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64>> {
+fn best_turn(seen: &PatchNormals, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64>> {
     let mut sum = Matrix3::zeros();
     let pairs = seen.patches.iter().zip(&seen.normals);
     for ((patch, normal), &weight) in pairs.zip(weights) {
@@ -107,7 +107,7 @@ fn best_turn(seen: &Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64
     wahba(&sum, mirrored)
 }
 
-fn residuals(seen: &Seen, turn: &Matrix3<f64>) -> Vec<f64> {
+fn residuals(seen: &PatchNormals, turn: &Matrix3<f64>) -> Vec<f64> {
     let pairs = seen.patches.iter().zip(&seen.normals);
     pairs
         .map(|(patch, normal)| (turn * patch.normal - normal).norm())
@@ -121,16 +121,16 @@ fn loss(residual: f64) -> f64 {
 }
 
 /// Weight of a patch for its shape alone; 1 for a plane.
-fn shape_weight(patch: &Patch) -> f64 {
+fn shape_weight(patch: &Facet) -> f64 {
     let relative = BEND_ERROR * patch.bend / FLAT_ERROR;
     1.0 / (1.0 + relative * relative)
 }
 
 /// Weights of patches for their shapes and residuals.
-fn weights(residuals: &[f64], patches: &[Patch]) -> Vec<f64> {
+fn weights(residuals: &[f64], patches: &[Facet]) -> Vec<f64> {
     let median = quantile(&mut residuals.to_vec(), 0.5);
     let scale = median.max(FINEST);
-    let weight = |(&r, patch): (&f64, &Patch)| match r / scale {
+    let weight = |(&r, patch): (&f64, &Facet)| match r / scale {
         r if r > TRIM => 0.0,
         r => (HUBER / r).min(1.0) * shape_weight(patch),
     };
@@ -138,7 +138,7 @@ fn weights(residuals: &[f64], patches: &[Patch]) -> Vec<f64> {
 }
 
 /// The turn at a fixed lens, by reweighting.
-fn robust_turn(seen: &Seen, rounds: usize, mirrored: bool) -> Option<Matrix3<f64>> {
+fn robust_turn(seen: &PatchNormals, rounds: usize, mirrored: bool) -> Option<Matrix3<f64>> {
     let shapes: Vec<f64> = seen.patches.iter().map(shape_weight).collect();
     let mut turn = best_turn(seen, &shapes, mirrored)?;
     for _ in 0..rounds {
@@ -150,13 +150,13 @@ fn robust_turn(seen: &Seen, rounds: usize, mirrored: bool) -> Option<Matrix3<f64
 
 impl Fit {
     /// The best turn at a fixed lens, in some rounds.
-    fn at(lens: Lens, patches: &[Patch], rounds: usize) -> Option<Self> {
-        let seen = Seen::by(lens, patches);
+    fn at(lens: Lens, patches: &[Facet], rounds: usize) -> Option<Self> {
+        let seen = PatchNormals::by(lens, patches);
         let turn = robust_turn(&seen, rounds, false)?;
         Self::new(lens, Rotation3::from_matrix_unchecked(turn), &seen)
     }
 
-    fn new(lens: Lens, turn: Rotation3<f64>, seen: &Seen) -> Option<Self> {
+    fn new(lens: Lens, turn: Rotation3<f64>, seen: &PatchNormals) -> Option<Self> {
         let mut residuals = residuals(seen, turn.matrix());
         let loss = residuals.iter().map(|r| loss(*r)).sum::<f64>() / seen.patches.len() as f64;
         let residual = quantile(&mut residuals, 0.5);
@@ -172,10 +172,10 @@ impl Fit {
     /// A rough fit over a range of the lens: a scan in even steps of the logarithm, then a golden section, both on a few
     /// of the patches.
     pub(super) fn scanned(
-        kind: Kind,
+        kind: LensKind,
         (low, high): (f64, f64),
         steps: usize,
-        patches: &[Patch],
+        patches: &[Facet],
     ) -> Option<Self> {
         let some = spread_out(patches, SCANNED);
         let lens = |log: f64| Lens {
@@ -197,7 +197,7 @@ impl Fit {
     }
 
     /// Those of rough fits that may turn out to be the best, fitted to more of the patches.
-    pub(super) fn ranked(rough: &[Fit], patches: &[Patch]) -> Vec<Self> {
+    pub(super) fn ranked(rough: &[Fit], patches: &[Facet]) -> Vec<Self> {
         let some = spread_out(patches, RANKED);
         let losses = rough.iter().map(|fit| fit.loss);
         let least = losses.fold(f64::INFINITY, f64::min);
@@ -209,14 +209,14 @@ impl Fit {
 
     /// The first of these fits, unless another is clearly better, then polished; and whether one with lines of sight of
     /// the other kind, parallel or not, fits nearly as well.
-    pub(super) fn chosen(fits: &[Fit], patches: &[Patch]) -> Option<(Self, bool)> {
+    pub(super) fn chosen(fits: &[Fit], patches: &[Facet]) -> Option<(Self, bool)> {
         let some = spread_out(patches, RANKED);
         let polished: Vec<Fit> = fits
             .iter()
             .filter_map(|fit| fit.polished(&some).or_else(|| fit.judged_on(&some)))
             .collect();
         let best = Self::best(&polished)?;
-        let is_parallel = |fit: &Fit| fit.lens.kind == Kind::Parallel;
+        let is_parallel = |fit: &Fit| fit.lens.kind == LensKind::Parallel;
         let mut others = polished
             .iter()
             .filter(|fit| is_parallel(fit) != is_parallel(&best));
@@ -238,7 +238,7 @@ impl Fit {
     }
 
     /// Rotation and lens polished together, on patches not seen at a grazing angle.
-    pub(super) fn polished(mut self, patches: &[Patch]) -> Option<Self> {
+    pub(super) fn polished(mut self, patches: &[Facet]) -> Option<Self> {
         for _ in 0..12 {
             let weights = weights(&self.residuals(patches), patches);
             let step = self.step(patches, &weights)?;
@@ -251,12 +251,12 @@ impl Fit {
     }
 
     /// The same fit, with how well it fits these patches.
-    fn judged_on(&self, patches: &[Patch]) -> Option<Self> {
-        Self::new(self.lens, self.turn, &Seen::by(self.lens, patches))
+    fn judged_on(&self, patches: &[Facet]) -> Option<Self> {
+        Self::new(self.lens, self.turn, &PatchNormals::by(self.lens, patches))
     }
 
-    fn residuals(&self, patches: &[Patch]) -> Vec<f64> {
-        residuals(&Seen::by(self.lens, patches), self.turn.matrix())
+    fn residuals(&self, patches: &[Facet]) -> Vec<f64> {
+        residuals(&PatchNormals::by(self.lens, patches), self.turn.matrix())
     }
 
     fn moved(&self, step: &Vector4<f64>) -> Self {
@@ -268,7 +268,7 @@ impl Fit {
     }
 
     /// One Gauss-Newton step: a turn, and a change of the logarithm of the lens's number.
-    fn step(&self, patches: &[Patch], weights: &[f64]) -> Option<Vector4<f64>> {
+    fn step(&self, patches: &[Facet], weights: &[f64]) -> Option<Vector4<f64>> {
         let (mut normal, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
         for (patch, &weight) in patches.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
             let turned = self.turn * patch.normal;
@@ -287,19 +287,19 @@ impl Fit {
     }
 
     /// The patches that this lens does not see at a grazing angle.
-    pub(super) fn facing(&self, patches: &[Patch]) -> Vec<Patch> {
-        let facing = |p: &&Patch| self.lens.facing(p) > GRAZING;
+    pub(super) fn facing(&self, patches: &[Facet]) -> Vec<Facet> {
+        let facing = |p: &&Facet| self.lens.facing(p) > GRAZING;
         patches.iter().filter(facing).copied().collect()
     }
 
     /// The typical residual of the patches that determine the rotation.
-    pub(super) fn telling_residual(&self, patches: &[Patch]) -> f64 {
+    pub(super) fn telling_residual(&self, patches: &[Facet]) -> f64 {
         telling_median(&self.residuals(patches), patches)
     }
 
     /// The same for the best mirrored fit with the same lens.
-    pub(super) fn mirrored_residual(&self, patches: &[Patch]) -> f64 {
-        let seen = Seen::by(self.lens, patches);
+    pub(super) fn mirrored_residual(&self, patches: &[Facet]) -> f64 {
+        let seen = PatchNormals::by(self.lens, patches);
         let turn = robust_turn(&seen, MIRRORED_ROUNDS, true);
         turn.map_or(f64::INFINITY, |turn| {
             telling_median(&residuals(&seen, &turn), patches)
@@ -307,7 +307,7 @@ impl Fit {
     }
 
     /// The shape of the weighted cost about this fit.
-    pub(super) fn cost(&self, patches: &[Patch]) -> Cost {
+    pub(super) fn cost(&self, patches: &[Facet]) -> Cost {
         let weights = weights(&self.residuals(patches), patches);
         let mut hessian = Matrix4::zeros();
         let mut by_tile = vec![Vector4::zeros(); TILES * TILES];
@@ -335,7 +335,7 @@ impl Fit {
 
     /// Standard errors that allow for residuals related within a tile, and for facets; `None` where the fit is no
     /// minimum.
-    pub(super) fn certainty(&self, cost: &Cost, patches: &[Patch]) -> Option<Certainty> {
+    pub(super) fn certainty(&self, cost: &Cost, patches: &[Facet]) -> Option<Certainty> {
         let mut hessian = cost.hessian;
         hessian[(3, 3)] += 1e-9 * cost.total;
         let inverse = hessian.cholesky()?.inverse();
@@ -354,12 +354,12 @@ impl Fit {
 
 /// Median residual, each patch weighted by its normal's deviation from the dominant direction. Otherwise one plane that
 /// fills most of a picture, which fits in any case, would hide the rest. Infinite if no normal deviates.
-fn telling_median(residuals: &[f64], patches: &[Patch]) -> f64 {
+fn telling_median(residuals: &[f64], patches: &[Facet]) -> f64 {
     let moments = patches.iter().map(|p| p.normal * p.normal.transpose());
     let sum: Matrix3<f64> = moments.sum();
     let eigen = SymmetricEigen::new(sum);
     let common = eigen.eigenvectors.column(eigen.eigenvalues.imax());
-    let lean = |p: &Patch| p.normal.cross(&common).norm_squared();
+    let lean = |p: &Facet| p.normal.cross(&common).norm_squared();
     let residuals = residuals.iter().copied();
     let mut list: Vec<(f64, f64)> = residuals.zip(patches.iter().map(lean)).collect();
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -399,13 +399,13 @@ mod tests {
     #[test]
     fn lenses_that_fit_much_worse_are_given_up() {
         let lens = Lens {
-            kind: Kind::Planar,
+            kind: LensKind::Planar,
             number: 900.0,
         };
-        let patches: Vec<Patch> = (0..40)
+        let patches: Vec<Facet> = (0..40)
             .map(|i| {
                 let (x, y) = (f64::from(i % 8) - 3.5, f64::from(i / 8) - 2.0);
-                let mut patch = Patch {
+                let mut patch = Facet {
                     seen: Vector2::new(100.0 * x, 100.0 * y),
                     depth: 5.0,
                     slope: Vector2::new(3e-4 * y, 2e-4 * x),
@@ -427,8 +427,8 @@ mod tests {
             loss,
             ..exact
         };
-        let kinds = |losses: [f64; 3]| -> Vec<Kind> {
-            let rough = [Kind::Planar, Kind::Ray, Kind::Parallel]
+        let kinds = |losses: [f64; 3]| -> Vec<LensKind> {
+            let rough = [LensKind::Planar, LensKind::Ray, LensKind::Parallel]
                 .into_iter()
                 .zip(losses)
                 .map(|(kind, loss)| rough(kind, loss));
@@ -436,8 +436,11 @@ mod tests {
             ranked.iter().map(|fit| fit.lens.kind).collect()
         };
         // Three times the least, and three times 0.03 where the least is less.
-        assert_eq!(kinds([0.2, 0.59, 0.61]), [Kind::Planar, Kind::Ray]);
-        assert_eq!(kinds([1e-3, 0.089, 0.091]), [Kind::Planar, Kind::Ray]);
-        assert_eq!(kinds([0.9, 0.4, 0.1]), [Kind::Parallel]);
+        assert_eq!(kinds([0.2, 0.59, 0.61]), [LensKind::Planar, LensKind::Ray]);
+        assert_eq!(
+            kinds([1e-3, 0.089, 0.091]),
+            [LensKind::Planar, LensKind::Ray]
+        );
+        assert_eq!(kinds([0.9, 0.4, 0.1]), [LensKind::Parallel]);
     }
 }

@@ -5,12 +5,12 @@
 //! per unit gives `(k z p, k z q, 1)`. Both follow from the cross product of the two tangents. So one number is unknown
 //! besides the rotation.
 
-use super::depth_samples::Patch;
+use super::depth_samples::Facet;
 use nalgebra::Vector3;
 
 /// The projection, with the meaning of its one unknown parameter, and the kind of distance in the depth layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum LensKind {
     /// Perspective, depth along the view axis; the number is the focal length.
     Planar,
     /// Perspective, depth along the sight line; the number is the focal length.
@@ -22,20 +22,20 @@ pub(super) enum Kind {
 /// A lens: its kind, and its focal length or pixels per unit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lens {
-    pub(super) kind: Kind,
+    pub(super) kind: LensKind,
     pub(super) number: f64,
 }
 
 impl Lens {
     /// The normal of a patch in view space, by its slope, not normalised. Its product with the view vector `(-u, -v, f)
     /// / f` is 1 for a perspective.
-    fn raw_normal(&self, patch: &Patch) -> Vector3<f64> {
+    fn raw_normal(&self, patch: &Facet) -> Vector3<f64> {
         let (f, seen, mut slope) = (self.number, patch.seen, patch.slope);
-        if self.kind == Kind::Parallel {
+        if self.kind == LensKind::Parallel {
             let rise = f * patch.depth * slope;
             return Vector3::new(rise.x, rise.y, 1.0);
         }
-        if self.kind == Kind::Ray {
+        if self.kind == LensKind::Ray {
             // Planar depth is the distance times f / sqrt(f^2 + u^2 + v^2).
             slope -= seen / (f * f + seen.norm_squared());
         }
@@ -43,15 +43,15 @@ impl Lens {
     }
 
     /// The unit normal of a patch in view space, by its slope.
-    pub(super) fn normal(&self, patch: &Patch) -> Vector3<f64> {
+    pub(super) fn normal(&self, patch: &Facet) -> Vector3<f64> {
         self.raw_normal(patch).normalize()
     }
 
     /// The unit normal, and its change with the logarithm of the lens's number.
-    pub(super) fn normal_and_slope(&self, patch: &Patch) -> (Vector3<f64>, Vector3<f64>) {
+    pub(super) fn normal_and_slope(&self, patch: &Facet) -> (Vector3<f64>, Vector3<f64>) {
         let raw = self.raw_normal(patch);
         let mut change = Vector3::new(raw.x, raw.y, 0.0);
-        if self.kind == Kind::Ray {
+        if self.kind == LensKind::Ray {
             let (square, seen) = (self.number * self.number, patch.seen);
             let slope = 2.0 * square / (square + seen.norm_squared()).powi(2) * seen;
             let along = self.number * slope;
@@ -63,9 +63,9 @@ impl Lens {
     }
 
     /// Cosine between the normal and the direction to the eye.
-    pub(super) fn facing(&self, patch: &Patch) -> f64 {
+    pub(super) fn facing(&self, patch: &Facet) -> f64 {
         let lean = match self.kind {
-            Kind::Parallel => 1.0,
+            LensKind::Parallel => 1.0,
             _ => 1f64.hypot(patch.seen.norm() / self.number),
         };
         1.0 / (self.raw_normal(patch).norm() * lean)
@@ -87,7 +87,7 @@ mod tests {
     /// The change by the logarithm of the number is that between two lenses that differ a little.
     #[test]
     fn slopes_are_those_of_differences() {
-        let patch = Patch {
+        let patch = Facet {
             seen: Vector2::new(300.0, -170.0),
             depth: 7.0,
             slope: Vector2::new(2e-3, 5e-4),
@@ -96,9 +96,9 @@ mod tests {
             tile: 0,
         };
         for (kind, number) in [
-            (Kind::Planar, 900.0),
-            (Kind::Ray, 900.0),
-            (Kind::Parallel, 80.0),
+            (LensKind::Planar, 900.0),
+            (LensKind::Ray, 900.0),
+            (LensKind::Parallel, 80.0),
         ] {
             let lens = Lens { kind, number };
             let (normal, slope) = lens.normal_and_slope(&patch);

@@ -1,6 +1,6 @@
 //! Patches of surface that a rotation is recovered from: how fast depth changes, and the normal.
 
-use super::samples::{Grid, quantile};
+use super::samples::{PixelGrid, quantile};
 use crate::frame::{Mask, Plane, Vector3Planes};
 use half::f16;
 use nalgebra::{Vector2, Vector3};
@@ -15,7 +15,7 @@ const ENOUGH: usize = 700;
 const ROOMY: usize = 8_000;
 /// Criteria for choosing patches.
 #[derive(Clone, Copy)]
-struct Choice {
+struct PatchCriteria {
     /// Pixels to each side of the middle one.
     reach: usize,
     /// Shortest normal that counts as unfiltered.
@@ -25,8 +25,8 @@ struct Choice {
     alike: f64,
 }
 
-const fn choice(reach: usize, shortest: f64, alike: f64) -> Choice {
-    Choice {
+const fn choice(reach: usize, shortest: f64, alike: f64) -> PatchCriteria {
+    PatchCriteria {
         reach,
         shortest,
         alike,
@@ -34,14 +34,14 @@ const fn choice(reach: usize, shortest: f64, alike: f64) -> Choice {
 }
 
 /// Strictest first, where depth is exact: small patches follow curved surface best.
-const FINE: [Choice; 3] = [
+const FINE: [PatchCriteria; 3] = [
     choice(1, 0.98, 0.99),
     choice(1, 0.95, 0.98),
     choice(1, 0.9, 0.96),
 ];
 /// Strictest first, for renderers that sample depth at a random place inside each pixel, or round it to half floats.
 /// The slope of a plane fitted to 7x7 pixels has an eighth of the error of one fitted to 3x3.
-const COARSE: [Choice; 4] = [
+const COARSE: [PatchCriteria; 4] = [
     choice(3, 0.98, 0.99),
     choice(2, 0.98, 0.99),
     choice(1, 0.98, 0.98),
@@ -65,7 +65,7 @@ pub(super) const TILES: usize = 12;
 
 /// A small piece of surface.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Patch {
+pub(super) struct Facet {
     /// Place on the picture from the centre of the display window, x right and y up, in pixel widths.
     pub(super) seen: Vector2<f64>,
     /// Depth in scene units.
@@ -85,12 +85,12 @@ pub(super) struct NormalsAndDepth<'a> {
     pub(super) normal: &'a Vector3Planes,
     pub(super) depth: &'a Plane,
     pub(super) mask: &'a Mask,
-    pub(super) grid: Grid,
+    pub(super) grid: PixelGrid,
 }
 
 /// Sums over the pixels of a patch.
 #[derive(Default)]
-struct Sums {
+struct PatchSums {
     /// Inverse depth of the middle pixel; that of the others is measured from it.
     middle: f64,
     rise: f64,
@@ -103,7 +103,7 @@ struct Sums {
 
 impl NormalsAndDepth<'_> {
     /// Patches on an even grid over the picture, of the strictest choice that gives enough of them.
-    pub(super) fn patches(&self) -> Vec<Patch> {
+    pub(super) fn patches(&self) -> Vec<Facet> {
         let roomy = self.mask.count() >= ROOMY;
         let rough = self.is_half() || self.off_centre().is_some_and(|px| px > OFF_CENTRE);
         let choices = if roomy && rough {
@@ -171,7 +171,7 @@ impl NormalsAndDepth<'_> {
         Some(fourth.abs() / (70f64.sqrt() * (slope + facing)))
     }
 
-    fn patches_of(&self, choice: Choice) -> Vec<Patch> {
+    fn patches_of(&self, choice: PatchCriteria) -> Vec<Facet> {
         let reach = choice.reach;
         let (width, height) = (self.depth.width(), self.depth.height());
         let stride = stride(self.mask.count(), CANDIDATES / reach);
@@ -186,7 +186,7 @@ impl NormalsAndDepth<'_> {
     }
 
     /// The patch around a pixel; `None` unless it is one smooth surface.
-    fn patch(&self, x: usize, y: usize, choice: Choice) -> Option<Patch> {
+    fn patch(&self, x: usize, y: usize, choice: PatchCriteria) -> Option<Facet> {
         let reach = choice.reach;
         let sums = self.sums(x, y, reach, choice.shortest)?;
         let side = (2 * reach + 1) as f64;
@@ -203,7 +203,7 @@ impl NormalsAndDepth<'_> {
         let allowed = SCATTER_PX * per_column.hypot(per_row)
             + SCATTER_SLOPE * reach as f64 * inverse / self.grid.display.width().max(1) as f64;
         let alike = sums.normal.norm() / sums.length;
-        (scatter <= allowed && alike >= choice.alike).then(|| Patch {
+        (scatter <= allowed && alike >= choice.alike).then(|| Facet {
             seen: self.grid.seen(x, y),
             depth: 1.0 / inverse,
             slope: -Vector2::new(per_column, per_row * self.grid.aspect) / inverse,
@@ -213,10 +213,10 @@ impl NormalsAndDepth<'_> {
         })
     }
 
-    fn sums(&self, x: usize, y: usize, reach: usize, shortest: f64) -> Option<Sums> {
-        let mut sums = Sums {
+    fn sums(&self, x: usize, y: usize, reach: usize, shortest: f64) -> Option<PatchSums> {
+        let mut sums = PatchSums {
             middle: 1.0 / f64::from(self.depth.at(x, y)),
-            ..Sums::default()
+            ..PatchSums::default()
         };
         let columns = x - reach..x + reach + 1;
         let n = self.normal;

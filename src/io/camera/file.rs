@@ -142,16 +142,16 @@ impl From<OutOfRange> for Rejected {
     }
 }
 
-type Parsed<T> = std::result::Result<T, Rejected>;
+type ParsedCamera<T> = std::result::Result<T, Rejected>;
 
-fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
+fn camera_of_json(text: &str, display: Window, aspect: f64) -> ParsedCamera<Camera> {
     let file = CameraFile::parsed(text)?;
     let is_parallel = file.is_parallel()?;
     let (view_from_world, scale) = match &file.world_to_camera {
         Some(rows) => rigid_transform(rows)?,
         None => (DAffine3::IDENTITY, 1.0),
     };
-    let lens = Lens::of(&file, is_parallel, display, aspect)?;
+    let lens = FileLens::of(&file, is_parallel, display, aspect)?;
     let camera = Camera {
         view_from_world,
         projection: lens.projection(is_parallel, scale, display),
@@ -161,7 +161,7 @@ fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
 }
 
 impl CameraFile {
-    fn parsed(text: &str) -> Parsed<Self> {
+    fn parsed(text: &str) -> ParsedCamera<Self> {
         serde_json::from_str(text).map_err(|error| {
             Rejected::new(
                 format!("not a JSON camera ({})", Untrusted(&error.to_string())),
@@ -170,7 +170,7 @@ impl CameraFile {
         })
     }
 
-    fn is_parallel(&self) -> Parsed<bool> {
+    fn is_parallel(&self) -> ParsedCamera<bool> {
         let (focal, parallel) = (self.focal_px.is_some(), self.pixels_per_unit.is_some());
         let named = self
             .camera_type
@@ -197,7 +197,7 @@ impl CameraFile {
     }
 
     /// Focal lengths of a picture of this size by its angle across it, down it, or both; `None` where neither is given.
-    fn focal_of_view(&self, size: [f64; 2], aspect: f64) -> Parsed<Option<[f64; 2]>> {
+    fn focal_of_view(&self, size: [f64; 2], aspect: f64) -> ParsedCamera<Option<[f64; 2]>> {
         let focal = |key: &str, degrees: Option<f64>, side: f64| match degrees {
             None => Ok(None),
             Some(degrees) if degrees > 0.0 && degrees < 180.0 => {
@@ -218,7 +218,7 @@ impl CameraFile {
     }
 }
 
-fn names_parallel(name: &str) -> Parsed<bool> {
+fn names_parallel(name: &str) -> ParsedCamera<bool> {
     match name.to_ascii_uppercase().as_str() {
         "PERSP" | "PERSPECTIVE" => Ok(false),
         "ORTHO" | "ORTHOGRAPHIC" => Ok(true),
@@ -233,7 +233,7 @@ fn names_parallel(name: &str) -> Parsed<bool> {
     }
 }
 
-fn positive(n: f64, name: &str) -> Parsed<f64> {
+fn positive(n: f64, name: &str) -> ParsedCamera<f64> {
     match n > 0.0 {
         true => Ok(n),
         false => Err(Rejected::new(
@@ -244,7 +244,7 @@ fn positive(n: f64, name: &str) -> Parsed<f64> {
 }
 
 /// The rigid part of a row-major matrix, and the uniform scale that was divided out of it.
-fn rigid_transform(rows: &[[f64; 4]; 4]) -> Parsed<(DAffine3, f64)> {
+fn rigid_transform(rows: &[[f64; 4]; 4]) -> ParsedCamera<(DAffine3, f64)> {
     check_last_row(rows)?;
     let linear = Matrix3::from_fn(|r, c| rows[r][c]);
     let scale = uniform_scale(&linear)?;
@@ -253,7 +253,7 @@ fn rigid_transform(rows: &[[f64; 4]; 4]) -> Parsed<(DAffine3, f64)> {
     Ok((DAffine3::from_mat3_translation(dmat3(&rotation), t), scale))
 }
 
-fn check_last_row(rows: &[[f64; 4]; 4]) -> Parsed<()> {
+fn check_last_row(rows: &[[f64; 4]; 4]) -> ParsedCamera<()> {
     let [x, y, z, w] = rows[3];
     let largest = x.abs().max(y.abs()).max(z.abs());
     if largest < 1e-6 && (w - 1.0).abs() < 1e-6 {
@@ -273,7 +273,7 @@ fn check_last_row(rows: &[[f64; 4]; 4]) -> Parsed<()> {
     })
 }
 
-fn uniform_scale(linear: &Matrix3<f64>) -> Parsed<f64> {
+fn uniform_scale(linear: &Matrix3<f64>) -> ParsedCamera<f64> {
     let lengths: Vector3<f64> = Vector3::from_fn(|r, _| linear.row(r).norm());
     let (least, most) = (lengths.min(), lengths.max());
     if least <= 0.0 {
@@ -297,7 +297,7 @@ fn uniform_scale(linear: &Matrix3<f64>) -> Parsed<f64> {
     Ok(lengths.mean())
 }
 
-fn nearest_rotation(near: &Matrix3<f64>) -> Parsed<Matrix3<f64>> {
+fn nearest_rotation(near: &Matrix3<f64>) -> ParsedCamera<Matrix3<f64>> {
     if near.determinant() < 0.0 {
         return Err(Rejected::new(
             "world_to_camera mirrors the scene (its determinant is negative)",
@@ -325,13 +325,18 @@ pub(super) fn dmat3(m: &Matrix3<f64>) -> DMat3 {
 }
 
 /// Pixels of the display window, origin at its top-left corner.
-struct Lens {
+struct FileLens {
     focal: DVec2,
     axis: DVec2,
 }
 
-impl Lens {
-    fn of(file: &CameraFile, is_parallel: bool, display: Window, aspect: f64) -> Parsed<Self> {
+impl FileLens {
+    fn of(
+        file: &CameraFile,
+        is_parallel: bool,
+        display: Window,
+        aspect: f64,
+    ) -> ParsedCamera<Self> {
         let size = [display.width() as f64, display.height() as f64];
         let made_for = file.resolution.unwrap_or(size);
         let lens = match &file.intrinsics_px {
@@ -352,7 +357,7 @@ impl Lens {
         is_parallel: bool,
         made_for: [f64; 2],
         aspect: f64,
-    ) -> Parsed<Self> {
+    ) -> ParsedCamera<Self> {
         let (key, given) = match is_parallel {
             false => ("focal_px", file.focal_px),
             true => ("pixels_per_unit", file.pixels_per_unit),
@@ -379,7 +384,7 @@ impl Lens {
     }
 
     /// The lens of a picture made in size `from`, for the same picture in size `to`.
-    fn scaled(self, from: [f64; 2], to: [f64; 2]) -> Parsed<Self> {
+    fn scaled(self, from: [f64; 2], to: [f64; 2]) -> ParsedCamera<Self> {
         if from == to {
             return Ok(self);
         }
@@ -423,7 +428,7 @@ mod tests {
     use super::*;
     use glam::DVec2;
 
-    fn parse(text: &str) -> Parsed<Camera> {
+    fn parse(text: &str) -> ParsedCamera<Camera> {
         camera_of_json(text, Window::from_size(640, 480), 1.0)
     }
 

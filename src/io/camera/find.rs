@@ -1,6 +1,6 @@
 //! Which camera a picture was made by: from a file, from attributes, from positions, else from depth and normals.
 
-use super::attributes::{Candidate, candidates, is_mirrored};
+use super::attributes::{CameraCandidate, candidates, is_mirrored};
 use super::samples::quantile;
 use super::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
@@ -108,7 +108,7 @@ impl<'a> CameraSearch<'a> {
         let candidates = candidates(surface.attributes?, surface.display_window, aspect);
         let (chosen, agrees) = match surface.position {
             Some(position) => {
-                let off = |c: &Candidate| off_positions_px(&c.camera, surface, position);
+                let off = |c: &CameraCandidate| off_positions_px(&c.camera, surface, position);
                 let (chosen, off) = best(&candidates, off)?;
                 let limit = MOST_OFF * (surface.display_window.width() as f64).max(1.0);
                 if off > limit {
@@ -121,7 +121,7 @@ impl<'a> CameraSearch<'a> {
             }
             None => {
                 let proper = candidates.iter().filter(|c| !is_mirrored(&c.camera));
-                let mut sensible: Vec<Candidate> = proper.cloned().collect();
+                let mut sensible: Vec<CameraCandidate> = proper.cloned().collect();
                 if sensible.is_empty() {
                     sensible = candidates;
                 }
@@ -228,7 +228,10 @@ impl<'a> CameraSearch<'a> {
 }
 
 /// The candidate with the least cost, and that; the first of equals.
-fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(Candidate, f64)> {
+fn best(
+    candidates: &[CameraCandidate],
+    cost: impl Fn(&CameraCandidate) -> f64,
+) -> Option<(CameraCandidate, f64)> {
     let costs = candidates.iter().map(|c| (c, cost(c)));
     let better = |best: (_, f64), next: (_, f64)| {
         if next.1 < 0.9 * best.1 - 1e-9 {

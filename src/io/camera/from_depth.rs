@@ -13,11 +13,11 @@
 //! position stays unknown: the translation is zero.
 
 use super::depth_fit::{Certainty, Fit};
-use super::depth_lens::{Kind, Lens};
-use super::depth_samples::{NormalsAndDepth, Patch};
+use super::depth_lens::{Lens, LensKind};
+use super::depth_samples::{Facet, NormalsAndDepth};
 use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
-use super::samples::{Grid, quantile};
+use super::samples::{PixelGrid, quantile};
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
 
@@ -100,7 +100,7 @@ pub fn recover_camera_from_depth(
         normal,
         depth,
         mask,
-        grid: Grid::new(data_window, display_window, pixel_aspect),
+        grid: PixelGrid::new(data_window, display_window, pixel_aspect),
     };
     let patches = surface.patches();
     if patches.len() < FEWEST {
@@ -143,7 +143,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(patches: &[Patch], width: f64) -> Result<Self, RecoveryFailure> {
+    fn of(patches: &[Facet], width: f64) -> Result<Self, RecoveryFailure> {
         let (fit, has_equal, patches) = chosen(patches, width)
             .ok_or(RecoveryFailure::NormalsDisagree { residual_deg: 90.0 })?;
         check_residual(&fit, &patches)?;
@@ -175,9 +175,9 @@ impl Answer {
         DepthCamera {
             camera: Camera {
                 view_from_world: DAffine3::from_mat3_translation(turn, DVec3::ZERO),
-                projection: Projection::new(kind == Kind::Parallel, per_unit, display.center()),
+                projection: Projection::new(kind == LensKind::Parallel, per_unit, display.center()),
             },
-            depth_kind: if kind == Kind::Ray {
+            depth_kind: if kind == LensKind::Ray {
                 DepthKind::Ray
             } else {
                 DepthKind::Planar
@@ -200,8 +200,8 @@ fn angle_deg(distance: f64) -> f64 {
 
 /// The best fit over kinds of lens and depth, whether lines of sight of the other kind fit nearly as well, and the
 /// patches it was determined from.
-fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, bool, Vec<Patch>)> {
-    let scanned: Vec<Fit> = [Kind::Planar, Kind::Ray, Kind::Parallel]
+fn chosen(patches: &[Facet], width: f64) -> Option<(Fit, bool, Vec<Facet>)> {
+    let scanned: Vec<Fit> = [LensKind::Planar, LensKind::Ray, LensKind::Parallel]
         .into_iter()
         .filter_map(|kind| Fit::scanned(kind, range(kind, patches, width)?, STEPS, patches))
         .collect();
@@ -217,17 +217,17 @@ fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, bool, Vec<Patch>)> {
 }
 
 /// The range of parameters to try for a kind of lens; `None` if depth is constant.
-fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
+fn range(kind: LensKind, patches: &[Facet], width: f64) -> Option<(f64, f64)> {
     let ((low, high), unit) = match kind {
-        Kind::Planar | Kind::Ray => (FOCAL_SHARES, width),
-        Kind::Parallel => (UNIT_FACTORS, 1.0 / telling_step(patches)),
+        LensKind::Planar | LensKind::Ray => (FOCAL_SHARES, width),
+        LensKind::Parallel => (UNIT_FACTORS, 1.0 / telling_step(patches)),
     };
     (unit.is_finite() && unit > 0.0).then_some((low * unit, high * unit))
 }
 
 /// A typical change of depth per pixel: the median. Most of a picture may be a wall that faces the viewer, whose steps tell
 /// nothing; then it is that of the steps which make up half of the sum of all.
-fn telling_step(patches: &[Patch]) -> f64 {
+fn telling_step(patches: &[Facet]) -> f64 {
     let mut steps: Vec<f64> = patches.iter().map(|p| p.depth * p.slope.norm()).collect();
     let median = quantile(&mut steps, 0.5);
     steps.sort_by(f64::total_cmp);
@@ -241,7 +241,7 @@ fn telling_step(patches: &[Patch]) -> f64 {
         .unwrap_or(median)
 }
 
-fn check_residual(fit: &Fit, patches: &[Patch]) -> Result<(), RecoveryFailure> {
+fn check_residual(fit: &Fit, patches: &[Facet]) -> Result<(), RecoveryFailure> {
     let residual_deg = angle_deg(fit.telling_residual(patches));
     if residual_deg > MIRRORED_RESIDUAL_DEG {
         let mirrored_deg = angle_deg(fit.mirrored_residual(patches));

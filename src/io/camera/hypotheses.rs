@@ -1,7 +1,7 @@
 //! First guesses at a camera: linear fits to all samples and to random handfuls of them.
 
 use super::model::{Model, orthonormal};
-use super::samples::Sample;
+use super::samples::SeenPoint;
 use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector, SymmetricEigen, Vector2, Vector3};
 
 /// Random subsets, as (size, count), one guess each; few of the small ones contain outliers, few of the large ones
@@ -11,7 +11,7 @@ const HANDFULS: [(usize, usize); 2] = [(8, 80), (40, 24)];
 const THIN: f64 = 0.05;
 
 /// Sums of squares of a point cloud about the origin along its principal axes, with those axes: longest first.
-pub(super) fn principal_axes(samples: &[Sample]) -> (Vector3<f64>, Matrix3<f64>) {
+pub(super) fn principal_axes(samples: &[SeenPoint]) -> (Vector3<f64>, Matrix3<f64>) {
     let sum: Matrix3<f64> = samples.iter().map(|s| s.point * s.point.transpose()).sum();
     let eigen = SymmetricEigen::new(sum);
     let mut order = [0, 1, 2];
@@ -28,7 +28,7 @@ pub(super) fn principal_axes(samples: &[Sample]) -> (Vector3<f64>, Matrix3<f64>)
 ///
 /// `width` is that of the display window in pixels: where the samples leave the focal length open, values proportional
 /// to it are tried.
-pub(super) fn hypotheses(samples: &[Sample], width: f64) -> Vec<Model> {
+pub(super) fn hypotheses(samples: &[SeenPoint], width: f64) -> Vec<Model> {
     let mut guesses = Vec::new();
     add_linear_fits(samples, &mut guesses);
     let (extent, axes) = principal_axes(samples);
@@ -36,10 +36,10 @@ pub(super) fn hypotheses(samples: &[Sample], width: f64) -> Vec<Model> {
     if thin {
         planar_cameras(samples, &axes, width, &mut guesses);
     }
-    let mut random = Random(0x5eed_0fca_3e7a_1100);
+    let mut random = SplitMix(0x5eed_0fca_3e7a_1100);
     for (size, rounds) in HANDFULS {
         for _ in 0..rounds {
-            let handful: Vec<Sample> = (0..size)
+            let handful: Vec<SeenPoint> = (0..size)
                 .map(|_| samples[random.below(samples.len())])
                 .collect();
             guesses.extend(perspective_camera(&handful));
@@ -51,7 +51,7 @@ pub(super) fn hypotheses(samples: &[Sample], width: f64) -> Vec<Model> {
     guesses
 }
 
-fn add_linear_fits(samples: &[Sample], guesses: &mut Vec<Model>) {
+fn add_linear_fits(samples: &[SeenPoint], guesses: &mut Vec<Model>) {
     guesses.extend(perspective_camera(samples));
     if let Some(parallel) = parallel_camera(samples) {
         let bent = |convergence| Model {
@@ -63,9 +63,9 @@ fn add_linear_fits(samples: &[Sample], guesses: &mut Vec<Model>) {
 }
 
 /// SplitMix64: a fixed sequence, so that a frame always gives the same camera.
-struct Random(u64);
+struct SplitMix(u64);
 
-impl Random {
+impl SplitMix {
     fn below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -76,7 +76,7 @@ impl Random {
 }
 
 /// Centre and size of the picture points, for a linear system without large numbers.
-fn picture_frame(samples: &[Sample]) -> Option<(Vector2<f64>, f64)> {
+fn picture_frame(samples: &[SeenPoint]) -> Option<(Vector2<f64>, f64)> {
     let count = samples.len() as f64;
     let centre = samples.iter().map(|s| s.seen).sum::<Vector2<f64>>() / count;
     let squares = samples.iter().map(|s| (s.seen - centre).norm_squared());
@@ -88,8 +88,8 @@ fn picture_frame(samples: &[Sample]) -> Option<(Vector2<f64>, f64)> {
 /// The map from `N` homogeneous coordinates to the picture that fits best (direct linear transform),
 /// scaled to a last entry of 1. `M` is `3 N`, the number of its entries.
 fn homogeneous_map<const N: usize, const M: usize>(
-    samples: &[Sample],
-    coordinates: impl Fn(&Sample) -> SVector<f64, N>,
+    samples: &[SeenPoint],
+    coordinates: impl Fn(&SeenPoint) -> SVector<f64, N>,
 ) -> Option<SMatrix<f64, 3, N>> {
     let (centre, size) = picture_frame(samples)?;
     let mut system = SMatrix::<f64, M, M>::zeros();
@@ -141,7 +141,7 @@ fn smallest_eigenvector<const M: usize>(system: SMatrix<f64, M, M>) -> Option<Ve
 }
 
 /// The perspective camera of a direct linear transform with its principal point moved to zero.
-fn perspective_camera(samples: &[Sample]) -> Option<Model> {
+fn perspective_camera(samples: &[SeenPoint]) -> Option<Model> {
     let map = homogeneous_map::<4, 12>(samples, |s| s.point.push(1.0))?;
     let row = |i: usize| map.fixed_view::<1, 3>(i, 0).transpose();
     // The third row is -convergence times the view axis.
@@ -165,7 +165,7 @@ fn perspective_camera(samples: &[Sample]) -> Option<Model> {
 }
 
 /// The parallel projection nearest to an affine map fitted by least squares.
-fn parallel_camera(samples: &[Sample]) -> Option<Model> {
+fn parallel_camera(samples: &[SeenPoint]) -> Option<Model> {
     let mut square = Matrix4::zeros();
     let mut right = SMatrix::<f64, 4, 2>::zeros();
     for sample in samples {
@@ -193,8 +193,13 @@ fn parallel_camera(samples: &[Sample]) -> Option<Model> {
 }
 
 /// Cameras under which the plane through the first two of `axes` projects onto `samples`.
-fn planar_cameras(samples: &[Sample], axes: &Matrix3<f64>, width: f64, guesses: &mut Vec<Model>) {
-    let flat = |s: &Sample| {
+fn planar_cameras(
+    samples: &[SeenPoint],
+    axes: &Matrix3<f64>,
+    width: f64,
+    guesses: &mut Vec<Model>,
+) {
+    let flat = |s: &SeenPoint| {
         let p = axes.transpose() * s.point;
         Vector3::new(p.x, p.y, 1.0)
     };

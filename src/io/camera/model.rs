@@ -6,14 +6,14 @@
 //! `scale / convergence`. Long lenses are thus no singular case, and a negative convergence is the
 //! mark of a mirrored scene.
 
-use super::samples::{Sample, quantile};
+use super::samples::{SeenPoint, quantile};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
 use std::collections::BTreeMap;
 
 /// Turn 3, shift 2, logarithm of the scale 1, convergence 1, principal point 2.
 const PARAMETERS: usize = 9;
 pub(super) const CONVERGENCE: usize = 6;
-type Step = SVector<f64, PARAMETERS>;
+type Delta = SVector<f64, PARAMETERS>;
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 pub(super) type Covariance = Normal;
 
@@ -123,26 +123,26 @@ impl Model {
     }
 
     /// Difference between the observed and the projected position, as a vector.
-    pub(super) fn residual(&self, sample: &Sample) -> Option<Vector2<f64>> {
+    pub(super) fn residual(&self, sample: &SeenPoint) -> Option<Vector2<f64>> {
         let p = self.rotation * sample.point;
         let w = 1.0 - self.convergence * p.z;
         (w > NEAREST).then(|| (self.scale * p.xy() + self.shift) / w + self.principal - sample.seen)
     }
 
     /// Length of the residual; infinite for a point behind the eye.
-    pub(super) fn error(&self, sample: &Sample) -> f64 {
+    pub(super) fn error(&self, sample: &SeenPoint) -> f64 {
         self.residual(sample).map_or(f64::INFINITY, |r| r.norm())
     }
 
     /// Median error, a measure that outliers do not move.
-    pub(super) fn median_error(&self, samples: &[Sample]) -> f64 {
+    pub(super) fn median_error(&self, samples: &[SeenPoint]) -> f64 {
         let mut errors: Vec<f64> = samples.iter().map(|s| self.error(s)).collect();
         quantile(&mut errors, 0.5)
     }
 
     /// Median over squares of the picture, of which there are a fixed number across its `width`, of their samples' mean
     /// error: insensitive to samples scattered about their positions.
-    pub(super) fn mean_error(&self, samples: &[Sample], width: f64) -> f64 {
+    pub(super) fn mean_error(&self, samples: &[SeenPoint], width: f64) -> f64 {
         let side = width.max(1.0) / f64::from(SQUARES_ACROSS);
         let mut squares: BTreeMap<[i64; 2], (Vector2<f64>, usize)> = BTreeMap::new();
         for sample in samples {
@@ -167,12 +167,12 @@ impl Model {
     }
 
     /// Mean square error, each one counted up to `limit`, as a share of the limit's square: 0..1.
-    pub(super) fn unexplained(&self, samples: &[Sample], limit: f64) -> f64 {
-        let share = |s: &Sample| (self.error(s) / limit).min(1.0).powi(2);
+    pub(super) fn unexplained(&self, samples: &[SeenPoint], limit: f64) -> f64 {
+        let share = |s: &SeenPoint| (self.error(s) / limit).min(1.0).powi(2);
         samples.iter().map(share).sum::<f64>() / samples.len().max(1) as f64
     }
 
-    fn moved(&self, step: &Step) -> Self {
+    fn moved(&self, step: &Delta) -> Self {
         let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
         Self {
             rotation: turn * self.rotation,
@@ -184,13 +184,13 @@ impl Model {
     }
 
     /// Sum of Huber losses; infinite where a sample falls behind the eye.
-    fn loss(&self, samples: &[Sample], threshold: f64) -> f64 {
+    fn loss(&self, samples: &[SeenPoint], threshold: f64) -> f64 {
         let losses = samples.iter().map(|s| huber(self.error(s), threshold));
         losses.sum()
     }
 
     /// The residual of a sample, and its derivatives.
-    fn linearised(&self, sample: &Sample) -> Option<(Vector2<f64>, Derivatives)> {
+    fn linearised(&self, sample: &SeenPoint) -> Option<(Vector2<f64>, Derivatives)> {
         let residual = self.residual(sample)?;
         let p = self.rotation * sample.point;
         let w = 1.0 - self.convergence * p.z;
@@ -214,8 +214,13 @@ impl Model {
 
     /// Sums over samples of the products of derivatives, and of those with residuals, each weighted by the threshold
     /// over the residual, at most 1.
-    fn normal_equations(&self, samples: &[Sample], threshold: f64, free: Free) -> (Normal, Step) {
-        let (mut normal, mut gradient) = (Normal::zeros(), Step::zeros());
+    fn normal_equations(
+        &self,
+        samples: &[SeenPoint],
+        threshold: f64,
+        free: Free,
+    ) -> (Normal, Delta) {
+        let (mut normal, mut gradient) = (Normal::zeros(), Delta::zeros());
         for (residual, by) in samples.iter().filter_map(|sample| self.linearised(sample)) {
             let weighted = by * (threshold / residual.norm()).min(1.0);
             normal += weighted.tr_mul(&by);
@@ -230,7 +235,7 @@ impl Model {
     }
 
     /// Levenberg-Marquardt on all of `samples`.
-    fn descend(mut self, samples: &[Sample], threshold: f64, free: Free, steps: usize) -> Self {
+    fn descend(mut self, samples: &[SeenPoint], threshold: f64, free: Free, steps: usize) -> Self {
         let mut loss = self.loss(samples, threshold);
         let mut damping = 1e-4;
         for _ in 0..steps {
@@ -260,7 +265,7 @@ impl Model {
     }
 
     /// The polished model: alternates trimming and descent, re-estimating the noise each time.
-    pub(super) fn polished(mut self, samples: &[Sample], free: Free, rounds: usize) -> Self {
+    pub(super) fn polished(mut self, samples: &[SeenPoint], free: Free, rounds: usize) -> Self {
         for _ in 0..rounds {
             let (sigma, kept) = self.trimmed(samples);
             if kept.len() < free.count() {
@@ -272,7 +277,7 @@ impl Model {
     }
 
     /// Noise per coordinate in pixel widths, and the samples within three times it.
-    pub(super) fn trimmed(&self, samples: &[Sample]) -> (f64, Vec<Sample>) {
+    pub(super) fn trimmed(&self, samples: &[SeenPoint]) -> (f64, Vec<SeenPoint>) {
         // The floor keeps exact data from trimming itself to the last bit.
         let sigma = (self.median_error(samples) / MEDIAN_RADIUS).max(1e-9);
         let limit = TRIM * sigma * MEDIAN_RADIUS;
@@ -281,11 +286,11 @@ impl Model {
     }
 
     /// Covariance of the parameters for a noise of 1 per coordinate; `None` where singular.
-    pub(super) fn covariance(&self, samples: &[Sample], free: Free) -> Option<Covariance> {
+    pub(super) fn covariance(&self, samples: &[SeenPoint], free: Free) -> Option<Covariance> {
         let (normal, _) = self.normal_equations(samples, f64::INFINITY, free);
         let count = free.count();
         // Scaled to a unit diagonal, so that the test for singularity does not depend on units.
-        let size = Step::from_fn(|i, _| normal[(i, i)].sqrt().max(1e-300));
+        let size = Delta::from_fn(|i, _| normal[(i, i)].sqrt().max(1e-300));
         let scaled = Normal::from_fn(|r, c| normal[(r, c)] / (size[r] * size[c]));
         let inverse = scaled.cholesky()?.inverse();
         let mut covariance = Normal::from_fn(|r, c| inverse[(r, c)] / (size[r] * size[c]));
@@ -307,12 +312,12 @@ mod tests {
         let turn = Rotation3::from_euler_angles(0.3, -0.8, 1.1);
         let mut model = Model::new(*turn.matrix(), Vector2::new(30.0, -12.0), 200.0, 0.3);
         model.principal = Vector2::new(5.0, 7.0);
-        let sample = Sample {
+        let sample = SeenPoint {
             point: Vector3::new(0.4, -0.7, 0.9),
             seen: Vector2::new(3.0, 4.0),
         };
         let ahead_of = |i: usize, by: f64| {
-            let mut step = Step::zeros();
+            let mut step = Delta::zeros();
             step[i] = by;
             model.moved(&step).residual(&sample).unwrap()
         };

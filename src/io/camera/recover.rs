@@ -15,7 +15,7 @@
 use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Covariance, Free, Model};
-use super::samples::{Grid, Sample, Samples, gather, quantile, spread_out};
+use super::samples::{PixelGrid, SeenPoint, UnitSamples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -144,7 +144,7 @@ pub fn recover_camera(
     display_window: Window,
     pixel_aspect: f32,
 ) -> Result<RecoveredCamera, RecoveryFailure> {
-    let grid = Grid::new(data_window, display_window, pixel_aspect);
+    let grid = PixelGrid::new(data_window, display_window, pixel_aspect);
     let wanted = (data_window.width(), data_window.height());
     let planes = [&position.x, &position.y, &position.z];
     let fill = planes
@@ -152,11 +152,11 @@ pub fn recover_camera(
         .all(|plane| (plane.width(), plane.height()) == wanted);
     assert!(fill, "the positions do not fill the data window");
     let mut samples = gather(position, mask, grid);
-    match Fit::of(&samples, grid.display) {
+    match BestFit::of(&samples, grid.display) {
         Err(RecoveryFailure::Mirrored) => {
             // Mirrored across its y axis the world is right-handed.
             samples.mirror();
-            let found = Fit::of(&samples, grid.display)?;
+            let found = BestFit::of(&samples, grid.display)?;
             let mut report = found.report(&samples, grid);
             report.camera.view_from_world *= DAffine3::from_scale(MIRROR);
             Ok(report)
@@ -166,18 +166,18 @@ pub fn recover_camera(
 }
 
 /// The camera that fits best, and how the samples scatter about it.
-struct Fit {
+struct BestFit {
     model: Model,
     free: Free,
     /// Noise per coordinate, in pixel widths.
     sigma: f64,
-    kept: Vec<Sample>,
+    kept: Vec<SeenPoint>,
     /// The covariance of the parameters for a noise of 1; `None` where singular.
     covariance: Option<Covariance>,
 }
 
-impl Fit {
-    fn of(samples: &Samples, display: Window) -> Result<Fit, RecoveryFailure> {
+impl BestFit {
+    fn of(samples: &UnitSamples, display: Window) -> Result<BestFit, RecoveryFailure> {
         let found = samples.list.len();
         if found < FEWEST {
             return Err(RecoveryFailure::TooFewPoints {
@@ -201,7 +201,7 @@ impl Fit {
         Ok(fit)
     }
 
-    fn new(model: Model, samples: &[Sample], free: Free) -> Self {
+    fn new(model: Model, samples: &[SeenPoint], free: Free) -> Self {
         let (sigma, kept) = model.trimmed(samples);
         Self {
             model,
@@ -213,7 +213,7 @@ impl Fit {
     }
 
     /// The best perspective fit, with lens shift where that is called for.
-    fn chosen(samples: &[Sample], half: bool, width: f64) -> Option<Self> {
+    fn chosen(samples: &[SeenPoint], half: bool, width: f64) -> Option<Self> {
         let ranking = spread_out(samples, RANKING);
         let finalists = distinct(ranked(hypotheses(&ranking, width), &ranking), FINALISTS);
         let best = |free: Free| best_polished(&finalists, &ranking, free);
@@ -246,7 +246,11 @@ impl Fit {
     }
 
     /// Refuses a camera whose residual exceeds the combined effect of rounding, jitter and compression.
-    fn check_residual(&self, samples: &Samples, display: Window) -> Result<(), RecoveryFailure> {
+    fn check_residual(
+        &self,
+        samples: &UnitSamples,
+        display: Window,
+    ) -> Result<(), RecoveryFailure> {
         let residual_px = self.model.median_error(&samples.list);
         let rounding_px = samples.quantum / samples.spread * self.model.scale;
         let diagonal = (display.width() as f64).hypot(display.height() as f64);
@@ -267,7 +271,7 @@ impl Fit {
 
     /// The most that perspective moves a sample, in pixel widths.
     fn perspective_px(&self) -> f64 {
-        let moved = |s: &Sample| {
+        let moved = |s: &SeenPoint| {
             let depth = (self.model.rotation * s.point).z;
             (self.model.convergence * depth).abs() * s.seen.norm()
         };
@@ -283,7 +287,7 @@ impl Fit {
         self.model.convergence / error.max(f64::MIN_POSITIVE)
     }
 
-    fn check_handedness(&self, samples: &[Sample]) -> Result<(), RecoveryFailure> {
+    fn check_handedness(&self, samples: &[SeenPoint]) -> Result<(), RecoveryFailure> {
         let reversed = self.convergence_significance() < -SIGNIFICANT
             && self.perspective_px() > LEAST_PERSPECTIVE_PX + self.sigma / 4.0;
         if reversed && !self.is_flat(samples) {
@@ -293,7 +297,7 @@ impl Fit {
     }
 
     /// A parallel camera where perspective explains nothing.
-    fn simplest(self, samples: &[Sample]) -> Self {
+    fn simplest(self, samples: &[SeenPoint]) -> Self {
         let perspective = self.convergence_significance() > SIGNIFICANT
             && self.perspective_px() > LEAST_PERSPECTIVE_PX;
         if perspective {
@@ -310,7 +314,7 @@ impl Fit {
     }
 
     /// Whether the samples deviate from a plane by no more than their noise.
-    fn is_flat(&self, samples: &[Sample]) -> bool {
+    fn is_flat(&self, samples: &[SeenPoint]) -> bool {
         let (_, axes) = principal_axes(&self.kept);
         let normal: Vector3<f64> = axes.column(2).into_owned();
         let mut heights: Vec<f64> = samples.iter().map(|s| s.point.dot(&normal)).collect();
@@ -347,7 +351,7 @@ impl Fit {
         Ok(())
     }
 
-    fn report(&self, samples: &Samples, grid: Grid) -> RecoveredCamera {
+    fn report(&self, samples: &UnitSamples, grid: PixelGrid) -> RecoveredCamera {
         let list = &samples.list;
         let mut errors: Vec<f64> = list.iter().map(|s| self.model.error(s)).collect();
         RecoveredCamera {
@@ -360,7 +364,7 @@ impl Fit {
     }
 
     /// The model back in scene units and absolute pixels.
-    fn camera(&self, samples: &Samples, grid: Grid) -> Camera {
+    fn camera(&self, samples: &UnitSamples, grid: PixelGrid) -> Camera {
         let model = &self.model;
         let per_unit = model.scale / samples.spread;
         let are_parallel = self.free == Free::Parallel;
@@ -396,7 +400,7 @@ impl Fit {
 ///
 /// A sample counts as explained within a few times the least median error of all models. Comparing the medians
 /// themselves would fail: if most samples lie in a plane, models that fit nothing else tie.
-fn ranked(models: Vec<Model>, samples: &[Sample]) -> Vec<(f64, Model)> {
+fn ranked(models: Vec<Model>, samples: &[SeenPoint]) -> Vec<(f64, Model)> {
     let medians = models.iter().map(|m| m.median_error(samples));
     let limit = 3.0 * medians.fold(f64::INFINITY, f64::min).max(LEAST_ERROR_PX);
     let mut ranked: Vec<(f64, Model)> = models
@@ -409,7 +413,7 @@ fn ranked(models: Vec<Model>, samples: &[Sample]) -> Vec<(f64, Model)> {
 
 /// The best of the models once each is polished: roughly, on some of the samples, and those cameras that they end at on
 /// all.
-fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit> {
+fn best_polished(models: &[Model], samples: &[SeenPoint], free: Free) -> Option<BestFit> {
     let (_, axes) = principal_axes(samples);
     let some = spread_out(samples, ROUGHLY);
     let rough = polished(models, &some, free, &axes);
@@ -420,11 +424,16 @@ fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit
         m.convergence >= 0.0 && *unexplained <= 1.05 * least + 1e-6
     };
     let best = ranked.iter().find(|r| as_good(r)).map_or(first, |r| r.1);
-    Some(Fit::new(best, samples, free))
+    Some(BestFit::new(best, samples, free))
 }
 
 /// The models, polished; with those that face the plane through the first two of `axes` from behind, from in front.
-fn polished(models: &[Model], samples: &[Sample], free: Free, axes: &Matrix3<f64>) -> Vec<Model> {
+fn polished(
+    models: &[Model],
+    samples: &[SeenPoint],
+    free: Free,
+    axes: &Matrix3<f64>,
+) -> Vec<Model> {
     let polished = models.par_iter().flat_map_iter(|model| {
         let model = model.polished(samples, free, 4);
         // A plane has the same image for an eye in front of it and a reversed one behind it.

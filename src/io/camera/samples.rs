@@ -16,7 +16,7 @@ const FARTHEST: f64 = 1e9;
 
 /// A surface point and its image position.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sample {
+pub(super) struct SeenPoint {
     /// Position less the centroid, in units of the spread.
     pub(super) point: Vector3<f64>,
     /// Place on the picture from the centre of the display window, x right and y up, in pixel widths.
@@ -25,8 +25,8 @@ pub(super) struct Sample {
 
 /// Samples in a normalised frame: `world = centroid + spread * point`.
 #[derive(Debug)]
-pub(super) struct Samples {
-    pub(super) list: Vec<Sample>,
+pub(super) struct UnitSamples {
+    pub(super) list: Vec<SeenPoint>,
     pub(super) centroid: Vector3<f64>,
     pub(super) spread: f64,
     /// Largest step between neighbouring values of the positions, in scene units.
@@ -35,7 +35,7 @@ pub(super) struct Samples {
     pub(super) half: bool,
 }
 
-impl Samples {
+impl UnitSamples {
     /// Reverses y of the world.
     pub(super) fn mirror(&mut self) {
         self.centroid.y = -self.centroid.y;
@@ -47,14 +47,14 @@ impl Samples {
 
 /// Where the pixels of a layer are on the picture.
 #[derive(Clone, Copy)]
-pub(super) struct Grid {
+pub(super) struct PixelGrid {
     pub(super) data: Window,
     pub(super) display: Window,
     /// Width of a pixel over its height.
     pub(super) aspect: f64,
 }
 
-impl Grid {
+impl PixelGrid {
     pub(super) fn new(data: Window, display: Window, pixel_aspect: f32) -> Self {
         let is_usable = pixel_aspect.is_finite() && pixel_aspect > 0.0;
         Self {
@@ -72,12 +72,12 @@ impl Grid {
 }
 
 /// A position layer with the pixels it covers.
-struct Layer<'a> {
+struct PositionsRead<'a> {
     position: &'a Vector3Planes,
     mask: &'a Mask,
 }
 
-impl Layer<'_> {
+impl PositionsRead<'_> {
     /// The position at column `x` of row `y`, if there is one.
     fn at(&self, x: isize, y: isize) -> Option<Vector3<f64>> {
         let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
@@ -111,8 +111,8 @@ impl Layer<'_> {
 }
 
 /// At most [`WANTED`] covered pixels of `position`, away from edges if there are enough of those.
-pub(super) fn gather(position: &Vector3Planes, mask: &Mask, grid: Grid) -> Samples {
-    let layer = Layer { position, mask };
+pub(super) fn gather(position: &Vector3Planes, mask: &Mask, grid: PixelGrid) -> UnitSamples {
+    let layer = PositionsRead { position, mask };
     let candidates = candidates(&layer);
     let half = is_half(&candidates);
     let quantum = quantum(&candidates, half);
@@ -123,15 +123,15 @@ pub(super) fn gather(position: &Vector3Planes, mask: &Mask, grid: Grid) -> Sampl
         .collect();
     let are_enough = smooth.len() >= ENOUGH;
     let chosen = spread_out(if are_enough { &smooth } else { &candidates }, WANTED);
-    let seen = |&(x, y, p): &Candidate| (p, grid.seen(x, y));
+    let seen = |&(x, y, p): &PositionCandidate| (p, grid.seen(x, y));
     let raw = chosen.iter().map(seen).collect();
     normalised(raw, quantum, half)
 }
 
-type Candidate = (usize, usize, Vector3<f64>);
+type PositionCandidate = (usize, usize, Vector3<f64>);
 
 /// Covered pixels with a position.
-fn candidates(layer: &Layer) -> Vec<Candidate> {
+fn candidates(layer: &PositionsRead) -> Vec<PositionCandidate> {
     let places: Vec<_> = layer.mask.sample(CANDIDATES).collect();
     let found = places.into_par_iter().filter_map(|(x, y)| {
         let position = layer.at(x as isize, y as isize)?;
@@ -147,13 +147,14 @@ pub(super) fn spread_out<T: Copy>(list: &[T], count: usize) -> Vec<T> {
 }
 
 /// Whether the coordinates look stored as half floats; a share of stray values, from resampled edges, is tolerated.
-fn is_half(candidates: &[Candidate]) -> bool {
-    let is_half = |(_, _, p): &&Candidate| p.iter().all(|&c| f16::from_f64(c).to_f64() == c);
+fn is_half(candidates: &[PositionCandidate]) -> bool {
+    let is_half =
+        |(_, _, p): &&PositionCandidate| p.iter().all(|&c| f16::from_f64(c).to_f64() == c);
     10 * candidates.iter().filter(is_half).count() > 9 * candidates.len()
 }
 
 /// The step between neighbouring values of the largest coordinates.
-fn quantum(candidates: &[Candidate], half: bool) -> f64 {
+fn quantum(candidates: &[PositionCandidate], half: bool) -> f64 {
     let mut sizes: Vec<f64> = candidates.iter().map(|(_, _, p)| p.amax()).collect();
     if sizes.is_empty() {
         return 0.0;
@@ -163,17 +164,17 @@ fn quantum(candidates: &[Candidate], half: bool) -> f64 {
     (typical.log2().floor() - f64::from(digits)).exp2()
 }
 
-fn normalised(raw: Vec<(Vector3<f64>, Vector2<f64>)>, quantum: f64, half: bool) -> Samples {
+fn normalised(raw: Vec<(Vector3<f64>, Vector2<f64>)>, quantum: f64, half: bool) -> UnitSamples {
     let (centroid, spread) = frame_of(&raw);
     let unit = if spread > 0.0 { spread } else { 1.0 };
     let list = raw
         .into_iter()
-        .map(|(p, seen)| Sample {
+        .map(|(p, seen)| SeenPoint {
             point: (p - centroid) / unit,
             seen,
         })
         .collect();
-    Samples {
+    UnitSamples {
         list,
         centroid,
         spread,

@@ -7,7 +7,7 @@
 use glam::Vec2;
 
 /// A line by its number, and whether it is drawn from its last point to its first.
-pub(crate) type Drawn = (usize, bool);
+pub(crate) type PenLine = (usize, bool);
 
 /// Rings of cells searched for the nearest end; beyond them the pen goes to the next cell with any.
 const MOST_RINGS: usize = 12;
@@ -20,7 +20,7 @@ const REACH: usize = 32;
 const ROUNDS: usize = 2;
 
 /// Drawing order of lines, given by both their ends, for a pen starting at `from`.
-pub(crate) fn pen_way(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
+pub(crate) fn pen_way(ends: &[[Vec2; 2]], from: Vec2) -> Vec<PenLine> {
     let mut way = nearest_first(ends, from);
     for _ in 0..ROUNDS {
         if !shorten(&mut way, ends, from) {
@@ -31,7 +31,7 @@ pub(crate) fn pen_way(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
 }
 
 /// Travel in the air, from `from` to the last line, and the pen's final position.
-pub(crate) fn in_the_air(way: &[Drawn], ends: &[[Vec2; 2]], from: Vec2) -> (f64, Vec2) {
+pub(crate) fn in_the_air(way: &[PenLine], ends: &[[Vec2; 2]], from: Vec2) -> (f64, Vec2) {
     way.iter().fold((0.0, from), |(length, at), &drawn| {
         let [start, end] = ends_of(drawn, ends);
         (length + f64::from(at.distance(start)), end)
@@ -39,7 +39,7 @@ pub(crate) fn in_the_air(way: &[Drawn], ends: &[[Vec2; 2]], from: Vec2) -> (f64,
 }
 
 /// Start and end of a line as drawn.
-fn ends_of((number, is_reversed): Drawn, ends: &[[Vec2; 2]]) -> [Vec2; 2] {
+fn ends_of((number, is_reversed): PenLine, ends: &[[Vec2; 2]]) -> [Vec2; 2] {
     let [first, last] = ends[number];
     match is_reversed {
         true => [last, first],
@@ -47,7 +47,7 @@ fn ends_of((number, is_reversed): Drawn, ends: &[[Vec2; 2]]) -> [Vec2; 2] {
     }
 }
 
-fn nearest_first(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
+fn nearest_first(ends: &[[Vec2; 2]], from: Vec2) -> Vec<PenLine> {
     let mut grid = Ends::new(ends);
     let mut at = from;
     let mut way = Vec::with_capacity(ends.len());
@@ -60,7 +60,7 @@ fn nearest_first(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
 }
 
 /// Reverses stretches of the path; returns whether that shortened it.
-fn shorten(way: &mut [Drawn], ends: &[[Vec2; 2]], from: Vec2) -> bool {
+fn shorten(way: &mut [PenLine], ends: &[[Vec2; 2]], from: Vec2) -> bool {
     let mut is_shorter = false;
     let mut before = from;
     for first in 0..way.len() {
@@ -99,7 +99,7 @@ const LEAST_GAIN_PX: f32 = 1e-3;
 /// The ends of lines not yet drawn, by cell.
 struct Ends<'a> {
     ends: &'a [[Vec2; 2]],
-    cells: Vec<Vec<Drawn>>,
+    cells: Vec<Vec<PenLine>>,
     size: [usize; 2],
     corner: Vec2,
     side: f32,
@@ -139,8 +139,8 @@ impl<'a> Ends<'a> {
     }
 
     /// The nearest end, that of the line with the lower number of two as near.
-    fn nearest(&mut self, at: Vec2) -> Option<Drawn> {
-        let mut found: Option<(f32, Drawn)> = None;
+    fn nearest(&mut self, at: Vec2) -> Option<PenLine> {
+        let mut found: Option<(f32, PenLine)> = None;
         for ring in 0..=MOST_RINGS {
             // Rings farther out hold only farther ends.
             if found.is_some_and(|(distance, _)| distance < (ring as f32 - 1.0) * self.side) {
@@ -156,7 +156,7 @@ impl<'a> Ends<'a> {
     }
 
     /// The ends in the cells that are `ring` cells from a place, with their distances.
-    fn in_ring(&self, at: Vec2, ring: usize, mut see: impl FnMut(f32, Drawn)) {
+    fn in_ring(&self, at: Vec2, ring: usize, mut see: impl FnMut(f32, PenLine)) {
         let [x, y] = self.cell(at).map(|place| place as isize);
         let (ring, [width, height]) = (ring as isize, self.size.map(|count| count as isize));
         for row in (y - ring).max(0)..=(y + ring).min(height - 1) {
@@ -177,7 +177,7 @@ impl<'a> Ends<'a> {
     }
 
     /// An end in the first cell that has any.
-    fn any(&mut self) -> Option<Drawn> {
+    fn any(&mut self) -> Option<PenLine> {
         while self.cells.get(self.first)?.is_empty() {
             self.first += 1;
         }

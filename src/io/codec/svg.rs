@@ -4,7 +4,7 @@
 use crate::error::{Error, Result};
 use crate::frame::Window;
 use crate::io::codec::outline::outline;
-use crate::io::codec::pen_way::{Drawn, in_the_air, pen_way};
+use crate::io::codec::pen_way::{PenLine, in_the_air, pen_way};
 use crate::line::contours::polyline::{thinned, with_radii};
 use crate::line::page::Page;
 use crate::params::MM_PER_INCH;
@@ -26,7 +26,7 @@ pub(crate) struct LinePage<'a> {
     /// Width and height of the paper that the picture is centred on; without one, the paper is as large as the picture.
     pub(crate) paper_mm: Option<[f32; 2]>,
     /// Layers from below to above: a name, and lines by points in pixels, y down, and widths in pixels.
-    pub(crate) layers: Vec<(&'static str, Vec<Line<'a>>)>,
+    pub(crate) layers: Vec<(&'static str, Vec<SvgLine<'a>>)>,
     /// Dots below all layers: middles and radii, in pixels.
     pub(crate) dots: Vec<(Vec2, f32)>,
     /// The number of pens of a plotter, which draws lines along their middle; without one, lines are outlines.
@@ -34,7 +34,7 @@ pub(crate) struct LinePage<'a> {
 }
 
 /// The points of a line and its width at each.
-pub(crate) type Line<'a> = (&'a [Vec2], &'a [f32]);
+pub(crate) type SvgLine<'a> = (&'a [Vec2], &'a [f32]);
 
 /// Steps of a coordinate in a pixel.
 const STEPS: f32 = 10.0;
@@ -97,7 +97,7 @@ struct Travel {
 
 impl Travel {
     /// An order of paths, and the way along it.
-    fn along(&mut self, paths: &[Vec<Vec3>]) -> Vec<Drawn> {
+    fn along(&mut self, paths: &[Vec<Vec3>]) -> Vec<PenLine> {
         let ends = |path: &Vec<Vec3>| [path[0], path[path.len() - 1]].map(Vec3::truncate);
         let ends: Vec<_> = paths.iter().map(ends).collect();
         let way = pen_way(&ends, self.at);
@@ -110,14 +110,17 @@ impl Travel {
 
 /// The pens of a plotter: the pen of a line by its median width, each for widths up to the same ratio, and the widths of
 /// pens in pixels: the mean along its lines, which keeps their ink.
-fn pens(layers: &[(&str, Vec<Line>)], count: u32) -> (impl Fn(&Line) -> usize + Sync, Vec<f32>) {
+fn pens(
+    layers: &[(&str, Vec<SvgLine>)],
+    count: u32,
+) -> (impl Fn(&SvgLine) -> usize + Sync, Vec<f32>) {
     let lines = layers.iter().flat_map(|(_, lines)| lines);
     let range = [f32::INFINITY, 0.0];
     let medians = lines.clone().map(|line| median(line.1));
     let [least, most] = medians.fold(range, |[a, b], width| [a.min(width), b.max(width)]);
     let step = (most / least).ln() / count as f32;
     // Where all widths are equal, the quotient is not a number and becomes 0.
-    let pen = move |line: &Line| {
+    let pen = move |line: &SvgLine| {
         let number = ((median(line.1) / least).ln() / step) as usize;
         number.min(count as usize - 1)
     };
@@ -203,7 +206,7 @@ impl LinePage<'_> {
     }
 
     /// Lines as areas of ink.
-    fn inked(&self, lines: &[Line]) -> String {
+    fn inked(&self, lines: &[SvgLine]) -> String {
         let [first, last] = self.border();
         let inked = |part: Vec<Vec3>| {
             let rim = outline(part).into_iter();
@@ -220,8 +223,8 @@ impl LinePage<'_> {
     fn plotted(
         &self,
         layer: &str,
-        lines: &[Line],
-        (pen_of, widths): &(impl Fn(&Line) -> usize + Sync, Vec<f32>),
+        lines: &[SvgLine],
+        (pen_of, widths): &(impl Fn(&SvgLine) -> usize + Sync, Vec<f32>),
         travel: &mut Travel,
     ) -> String {
         let pens = widths.iter().enumerate().map(|(pen, width)| {
@@ -281,7 +284,10 @@ mod tests {
     use super::*;
 
     /// A picture of 300 x 200 pixels with its lines at (10, -20).
-    fn of(layers: Vec<(&'static str, Vec<Line<'static>>)>, pens: Option<u32>) -> LinePage<'static> {
+    fn of(
+        layers: Vec<(&'static str, Vec<SvgLine<'static>>)>,
+        pens: Option<u32>,
+    ) -> LinePage<'static> {
         LinePage {
             display_window: Window::from_size(300, 200),
             data_window: Window::at(10, -20, 50, 50),
@@ -300,7 +306,7 @@ mod tests {
         String::from_utf8(file).unwrap()
     }
 
-    fn line(points: &[[f32; 2]], widths: &[f32]) -> Line<'static> {
+    fn line(points: &[[f32; 2]], widths: &[f32]) -> SvgLine<'static> {
         let points: Vec<Vec2> = points.iter().map(|&at| at.into()).collect();
         (points.leak(), widths.to_vec().leak())
     }

@@ -6,7 +6,7 @@ use super::normal_encoding::NEAR_UNIT;
 use crate::frame::normals::{is_written, with_rebuilt_z};
 use crate::frame::{Mask, Plane, Vector3Planes};
 use crate::io::inputs::NormalEncoding;
-use crate::io::photo::{Meaning, StoredPhoto};
+use crate::io::photo::{CodeMeaning, StoredPhoto};
 use crate::io::srgb;
 use crate::kernel::quantile::quantile;
 use glam::Vec3;
@@ -177,7 +177,9 @@ fn bands(photo: &StoredPhoto) -> Option<Vec<Plane>> {
     let mut stacked = vec![Vec::new(); header.channels()];
     for i in 0..BANDS {
         let first = (2 * i + 1) * (header.height - rows) / (2 * BANDS);
-        let planes = photo.planes(first..first + rows, Meaning::Stored).ok()?;
+        let planes = photo
+            .planes(first..first + rows, CodeMeaning::Stored)
+            .ok()?;
         for (stacked, plane) in stacked.iter_mut().zip(planes) {
             stacked.extend(plane.into_samples());
             stacked.extend(vec![0.0; header.width]);

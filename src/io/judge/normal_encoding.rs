@@ -5,7 +5,7 @@ use crate::frame::normals::MIN_LENGTH;
 use crate::frame::sampling::one_in;
 use crate::frame::{Plane, Vector3Planes};
 use crate::io::inputs::NormalEncoding;
-use crate::io::photo::{Meaning, StoredPhoto};
+use crate::io::photo::{CodeMeaning, StoredPhoto};
 use crate::kernel::quantile::quantile;
 use glam::Vec3;
 use std::path::Path;
@@ -86,7 +86,7 @@ pub(crate) fn holds_normals(photo: &StoredPhoto) -> bool {
     }
     let rows = ROWS.min(header.height);
     let first = (header.height - rows) / 2;
-    let planes = photo.planes(first..first + rows, Meaning::Stored);
+    let planes = photo.planes(first..first + rows, CodeMeaning::Stored);
     planes.is_ok_and(|mut planes| {
         planes.truncate(3);
         let stored = Vector3Planes::of(planes);

@@ -219,7 +219,7 @@ impl<'a> NormalSamples<'a> {
     /// The judgement with a camera, or without.
     pub(crate) fn judge(&self, camera: Option<&Camera>, data_window: Window) -> NormalSpaceVerdict {
         let turn = camera.map(|c| c.view_from_world.matrix3);
-        let mut tally = Tally::default();
+        let mut tally = ReadingSums::default();
         for sample in self.list.get_or_init(|| self.gathered()) {
             let (x, y) = sample.place;
             let n = sample.normal;
@@ -314,7 +314,7 @@ fn central(before: DVec3, here: DVec3, after: DVec3) -> Option<DVec3> {
 
 /// Sums over normals, by the readings as view space, as that with z away, and as world space.
 #[derive(Default)]
-struct Tally {
+struct ReadingSums {
     samples: usize,
     facing: [usize; 3],
     shape: [Vec<f64>; 3],
@@ -325,7 +325,7 @@ struct Tally {
     reversed: [f64; 4],
 }
 
-impl Tally {
+impl ReadingSums {
     fn add_facing(&mut self, readings: [Option<DVec3>; 3], eye: DVec3) {
         self.samples += 1;
         for (count, n) in self.facing.iter_mut().zip(readings) {

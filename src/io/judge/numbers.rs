@@ -2,7 +2,7 @@
 //! unit length, stored directly or encoded as 0..1, and the others fit the surface with these normals.
 
 use super::samples_of_layers::{Sampled, samples};
-use super::step_fit::{Points, misfit};
+use super::step_fit::{PointReading, misfit};
 use crate::io::exr::ExrFile;
 use crate::io::roles::{self, Layer, Match, Role};
 use nalgebra::Vector3;
@@ -57,7 +57,7 @@ fn unit(stored: Vector3<f64>, is_unsigned: bool) -> Option<Vector3<f64>> {
 }
 
 /// A layer of normals.
-struct Normals {
+struct NormalLayer {
     sampled: Sampled,
     /// Whether they are stored as 0..1.
     is_unsigned: bool,
@@ -65,7 +65,7 @@ struct Normals {
     share: f64,
 }
 
-impl Normals {
+impl NormalLayer {
     /// The layer, if it holds some.
     fn of(sampled: Sampled) -> Option<Self> {
         let (is_unsigned, share) = encoding_of(&sampled)?;
@@ -127,7 +127,7 @@ pub(crate) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
         Some(_) => {
             // A second layer of normals does not hold positions, although its steps are perpendicular to normals too.
             vectors.retain(|sampled| encoding_of(sampled).is_none());
-            named_normals.into_iter().find_map(Normals::of)
+            named_normals.into_iter().find_map(NormalLayer::of)
         }
         None => take_normals(&mut vectors, &mut roles),
     };
@@ -135,18 +135,22 @@ pub(crate) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
         return roles;
     };
     if is_missing(Role::Position) {
-        let kinds = [Points::Positions];
+        let kinds = [PointReading::Positions];
         roles.extend(best(&normals, Role::Position, vectors, &kinds));
     }
-    let kinds = [Points::Depth, Points::InverseDepth, Points::ParallelDepth];
+    let kinds = [
+        PointReading::Depth,
+        PointReading::InverseDepth,
+        PointReading::ParallelDepth,
+    ];
     roles.extend(best(&normals, Role::Depth, scalars, &kinds));
     roles
 }
 
 /// Removes the layers of normals from `vectors`; returns the best of them.
-fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> Option<Normals> {
+fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> Option<NormalLayer> {
     let found = vectors.extract_if(.., |sampled| encoding_of(sampled).is_some());
-    let mut found: Vec<Normals> = found.filter_map(Normals::of).collect();
+    let mut found: Vec<NormalLayer> = found.filter_map(NormalLayer::of).collect();
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     let mut found = found.into_iter();
     let best = found.next()?;
@@ -185,10 +189,10 @@ fn encoding_of(sampled: &Sampled) -> Option<(bool, f64)> {
 
 /// The layer whose points, of one of the `kinds` (the usual one first), best fit the surface with these `normals`.
 fn best(
-    normals: &Normals,
+    normals: &NormalLayer,
     role: Role,
     layers: Vec<Sampled>,
-    kinds: &[Points],
+    kinds: &[PointReading],
 ) -> Option<RoleByNumbers> {
     let mut found: Vec<(f64, Match)> = Vec::new();
     for layer in layers {

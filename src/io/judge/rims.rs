@@ -47,7 +47,7 @@ impl Rims {
     }
 
     fn at(normal: &Vector3Planes, mask: &Mask, step: isize) -> Self {
-        let map = Map { normal, mask, step };
+        let map = SteppedMap { normal, mask, step };
         let (width, height) = (mask.width() as isize, mask.height() as isize);
         let margin = (REACH + 2) * step;
         let every = (mask.width() * mask.height())
@@ -62,7 +62,7 @@ impl Rims {
         rims
     }
 
-    fn look(&mut self, map: &Map, x: isize, y: isize) {
+    fn look(&mut self, map: &SteppedMap, x: isize, y: isize) {
         // Smoothing lowers a component; what leans far less is not worth it.
         let stored = map.stored(x, y);
         let Some(stored) = stored.filter(|n| n.truncate().abs().max_element() > 0.8 * STEEP) else {
@@ -148,13 +148,13 @@ impl Rims {
 }
 
 /// A normal map looked at in steps of pixels.
-struct Map<'a> {
+struct SteppedMap<'a> {
     normal: &'a Vector3Planes,
     mask: &'a Mask,
     step: isize,
 }
 
-impl Map<'_> {
+impl SteppedMap<'_> {
     fn stored(&self, x: isize, y: isize) -> Option<DVec3> {
         let (x, y) = (x as usize, y as usize);
         self.mask.at(x, y).then(|| self.normal.at(x, y))

@@ -71,7 +71,7 @@ impl Silhouettes {
         let (width, height) = (mask.width(), mask.height());
         let mut found = Self::default();
         for y in (0..height).step_by(height.div_ceil(LINES).max(1)) {
-            let line = Line {
+            let line = RowOrColumn {
                 covered: mask.row(y),
                 depth: depth.map(|(depth, range)| (depth.row(y), range)),
                 normal: &|i| normal.x.at(i, y),
@@ -83,7 +83,7 @@ impl Silhouettes {
         let depths = depth.map(|(depth, range)| (upward(depth, &columns), range));
         for (j, &x) in columns.iter().enumerate() {
             let column = j * height..(j + 1) * height;
-            let line = Line {
+            let line = RowOrColumn {
                 covered: &covered[column.clone()],
                 depth: depths
                     .as_ref()
@@ -132,7 +132,7 @@ fn upward<T: Copy + Default>(plane: &Plane<T>, columns: &[usize]) -> Vec<T> {
 }
 
 /// A row or a column of the picture, along an axis of its normals.
-struct Line<'a> {
+struct RowOrColumn<'a> {
     covered: &'a [bool],
     /// Depth, and its range.
     depth: Option<(&'a [f32], f32)>,
@@ -140,7 +140,7 @@ struct Line<'a> {
     normal: &'a dyn Fn(usize) -> f32,
 }
 
-impl Line<'_> {
+impl RowOrColumn<'_> {
     fn scan(&self, found: &mut Silhouettes, axis: usize) {
         let normal = |i: usize| f64::from((self.normal)(i));
         // The sample beside an outline may be a mean over both sides: the next one is looked at.

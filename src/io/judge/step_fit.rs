@@ -23,7 +23,7 @@ const FLAT: f64 = 1e-10;
 
 /// Interpretation of a layer's numbers as points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Points {
+pub(crate) enum PointReading {
     /// They are positions.
     Positions,
     /// They are distances along the view axis.
@@ -35,7 +35,7 @@ pub(crate) enum Points {
 }
 
 /// A normal and a step to the neighbour.
-struct Step {
+struct NeighbourStep {
     normal: Vector3<f64>,
     /// Difference of the layer's numbers.
     change: f64,
@@ -48,7 +48,7 @@ pub(crate) fn misfit(
     normals: &Sampled,
     normal: impl Fn(Vector3<f64>) -> Option<Vector3<f64>>,
     layer: &Sampled,
-    points: Points,
+    points: PointReading,
 ) -> Option<f64> {
     if normals.window != layer.window {
         return None;
@@ -67,7 +67,7 @@ pub(crate) fn misfit(
                 }
                 let other = normal(normals.at(x, y)).zip(point(x, y));
                 if let Some((n1, (p1, v1))) = other.filter(|(n1, _)| n0.dot(n1) > SMOOTH) {
-                    steps.push(Step {
+                    steps.push(NeighbourStep {
                         normal: n0 + n1,
                         change: (v1 - v0).norm(),
                         step: p1 - p0,
@@ -82,7 +82,7 @@ pub(crate) fn misfit(
 /// The point at a pixel, and the layer's value there.
 fn point(
     band: &Band,
-    points: Points,
+    points: PointReading,
     size: [f64; 2],
     [x, y]: [usize; 2],
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
@@ -95,16 +95,16 @@ fn point(
     let ray = Vector3::new(u, v, 1.0);
     is_one.then(|| {
         let point = match points {
-            Points::Positions => stored,
-            Points::Depth => ray * stored.x,
-            Points::InverseDepth => ray / stored.x,
-            Points::ParallelDepth => Vector3::new(u, v, stored.x),
+            PointReading::Positions => stored,
+            PointReading::Depth => ray * stored.x,
+            PointReading::InverseDepth => ray / stored.x,
+            PointReading::ParallelDepth => Vector3::new(u, v, stored.x),
         };
         (point, stored)
     })
 }
 
-fn without_edges(mut steps: Vec<Step>) -> Option<Vec<Step>> {
+fn without_edges(mut steps: Vec<NeighbourStep>) -> Option<Vec<NeighbourStep>> {
     steps.retain(|step| step.step.iter().all(|c| c.is_finite()));
     let changes = steps.iter().map(|step| step.change);
     let changes: Vec<f64> = changes.filter(|change| *change > 0.0).collect();
@@ -127,7 +127,7 @@ fn usual(mut values: Vec<f64>) -> Option<f64> {
 }
 
 /// The least second moment of `n t^T` in any direction, with those of `n` and `t` made 1.
-fn least_moment(steps: &[Step]) -> Option<f64> {
+fn least_moment(steps: &[NeighbourStep]) -> Option<f64> {
     let of_normals = whitening(steps.iter().map(|step| step.normal))?;
     let of_steps = whitening(steps.iter().map(|step| step.step))?;
     let mut moments = SMatrix::<f64, 9, 9>::zeros();

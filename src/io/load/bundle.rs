@@ -15,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Files or arrays by their roles.
-pub(crate) struct Bundle {
+pub(crate) struct RoleBundle {
     path: PathBuf,
     members: Vec<(Role, PathBuf)>,
     camera: Option<PathBuf>,
@@ -46,7 +46,7 @@ const CODES: &str = "png jpg jpeg tif tiff webp tga bmp hdr pgm ppm pnm";
 /// Names of files that hold a camera.
 const CAMERAS: &str = "fov.json camera.json";
 
-impl Bundle {
+impl RoleBundle {
     /// What stands at `path`; `None` for a single file.
     ///
     /// # Errors
@@ -220,7 +220,7 @@ impl Bundle {
 
 /// `inputs` of a single picture as they are, those of a bundle with its files, and what is said of it.
 pub(crate) fn gathered(inputs: &Inputs) -> Result<(Cow<'_, Inputs>, Option<String>)> {
-    Ok(match Bundle::of(&inputs.picture)? {
+    Ok(match RoleBundle::of(&inputs.picture)? {
         None => (Cow::Borrowed(inputs), None),
         Some(bundle) => {
             let inputs = bundle.inputs(inputs);

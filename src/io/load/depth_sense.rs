@@ -34,7 +34,7 @@ const WANTED: usize = 10_000;
 pub(crate) const ABOVE_ONE: f32 = 1e-3;
 
 /// The layers that the sense of depth is judged from.
-pub(crate) struct Layers<'a> {
+pub(crate) struct SenseLayers<'a> {
     pub(crate) inputs: &'a Inputs,
     /// Depth as stored.
     pub(crate) raw: &'a Plane,
@@ -46,7 +46,7 @@ pub(crate) struct Layers<'a> {
     pub(crate) mask: Option<&'a Plane>,
 }
 
-impl Layers<'_> {
+impl SenseLayers<'_> {
     /// Alpha, where it decides on coverage.
     fn alpha(&self) -> Option<&Plane> {
         self.alpha.filter(|_| self.mask.is_none())
@@ -88,7 +88,7 @@ impl Range {
 
 /// Which way depth goes.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum DepthWay {
     Away,
     Toward,
 }
@@ -98,7 +98,10 @@ enum Way {
 ///
 /// # Errors
 /// Those of reading the camera's file.
-pub(crate) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate::Result<Sense> {
+pub(crate) fn judge_sense(
+    layers: &SenseLayers,
+    (hint, by): (Hint, String),
+) -> crate::Result<Sense> {
     let Some(range) = range(layers) else {
         return Ok(None);
     };
@@ -109,20 +112,20 @@ pub(crate) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
     if range.is_open() {
         return Ok(None);
     }
-    let judged = Judged {
+    let judged = JudgedSense {
         layers,
         covered: coverage::of_normals(layers.normal, Some(layers.raw), layers.alpha(), layers.mask),
         range: range.most - range.least,
     };
     let implied = match hinted {
-        Some(StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne) => Some(Way::Toward),
-        Some(_) => Some(Way::Away),
+        Some(StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne) => Some(DepthWay::Toward),
+        Some(_) => Some(DepthWay::Away),
         // Beyond 1 it was not mapped, and distances are what most programs write.
-        None => (!range.is_unit()).then_some(Way::Away),
+        None => (!range.is_unit()).then_some(DepthWay::Away),
     };
     let (way, why, camera) = judged.way(implied)?;
     Ok(match way {
-        Some(Way::Toward) => {
+        Some(DepthWay::Toward) => {
             let stored = match hinted {
                 Some(stored @ (StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne)) => stored,
                 _ if !range.is_unit() => StoredDepth::Inverse,
@@ -134,14 +137,14 @@ pub(crate) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
             };
             Some((stored, format!("it falls where {why}")))
         }
-        Some(Way::Away) if range.looks_mapped() => {
+        Some(DepthWay::Away) if range.looks_mapped() => {
             let is_distance = judged.is_distance(StoredDepth::Planar, camera.as_ref());
             (!is_distance).then(|| {
                 let why = format!("it rises where {why}, and lies between 0 and 1");
                 (StoredDepth::WhiteFar, why)
             })
         }
-        Some(Way::Away) => None,
+        Some(DepthWay::Away) => None,
         None => hinted
             .filter(|stored| !matches!(stored, StoredDepth::Planar | StoredDepth::Ray))
             .map(|stored| (stored, format!("{by}; the normals leave it open"))),
@@ -150,7 +153,7 @@ pub(crate) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
 
 /// The values of depth, where any surface was seen at all: those of a sample, unless all lie between 0 and 1, which takes
 /// all values to be sure of.
-fn range(layers: &Layers) -> Option<Range> {
+fn range(layers: &SenseLayers) -> Option<Range> {
     let (width, height) = (layers.raw.width(), layers.raw.height());
     let of = |area: f64| range_of(layers, one_in(area, 0..width, 0..height));
     let sampled = of((width * height) as f64 / WANTED as f64);
@@ -159,7 +162,7 @@ fn range(layers: &Layers) -> Option<Range> {
 }
 
 /// The values of depth at some pixels.
-fn range_of(layers: &Layers, pixels: impl Iterator<Item = (usize, usize)>) -> Option<Range> {
+fn range_of(layers: &SenseLayers, pixels: impl Iterator<Item = (usize, usize)>) -> Option<Range> {
     let mut range = Range {
         least: f32::INFINITY,
         most: f32::NEG_INFINITY,
@@ -182,8 +185,8 @@ fn range_of(layers: &Layers, pixels: impl Iterator<Item = (usize, usize)>) -> Op
     (range.least <= range.most).then_some(range)
 }
 
-struct Judged<'a> {
-    layers: &'a Layers<'a>,
+struct JudgedSense<'a> {
+    layers: &'a SenseLayers<'a>,
     /// The surface, where it has a depth.
     covered: Mask,
     /// The largest less the smallest of it.
@@ -192,7 +195,7 @@ struct Judged<'a> {
 
 const POINT_OUTWARD: &str = "the normals lean toward what is far, and point outward at outlines";
 
-impl Judged<'_> {
+impl JudgedSense<'_> {
     fn surface<'a>(&'a self, depth: &'a Plane) -> SurfaceSamples<'a> {
         SurfaceSamples {
             mask: &self.covered,
@@ -208,11 +211,11 @@ impl Judged<'_> {
     /// else y is taken to be reversed, as in all that DirectX uses, and hardly anything reverses x.
     fn way(
         &self,
-        implied: Option<Way>,
-    ) -> crate::Result<(Option<Way>, &'static str, Option<Camera>)> {
+        implied: Option<DepthWay>,
+    ) -> crate::Result<(Option<DepthWay>, &'static str, Option<Camera>)> {
         let way_of = |angle: f64| match angle {
-            a if a <= AGREES_DEG => Some(Way::Away),
-            a if a >= 180.0 - AGREES_DEG => Some(Way::Toward),
+            a if a <= AGREES_DEG => Some(DepthWay::Away),
+            a if a >= 180.0 - AGREES_DEG => Some(DepthWay::Toward),
             _ => None,
         };
         let raw = self.layers.raw;
@@ -227,9 +230,9 @@ impl Judged<'_> {
         let off = |angle: f64| angle.min(180.0 - angle);
         let as_is = way_of(as_is).filter(|_| !is_reversed(off(as_is), off(y)));
         let leaning = "the normals lean toward what is far";
-        let both = |way: Way| {
+        let both = |way: DepthWay| {
             // As stored, they lean as beside depth that goes the other way.
-            let agree = self.outlines().agree(way == Way::Away, [true, true]);
+            let agree = self.outlines().agree(way == DepthWay::Away, [true, true]);
             (agree == Some(true)).then_some((way, POINT_OUTWARD))
         };
         let other = implied.filter(|implied| as_is.is_some_and(|way| way != *implied));
@@ -256,10 +259,10 @@ impl Judged<'_> {
         let [away, toward] = [StoredDepth::Planar, StoredDepth::Inverse].map(residual);
         let clearly = |less: f64, more: f64| less < CLEARLY * more && more - less > ALIKE_DEG;
         let way = match away.min(toward) <= DISTANCE_DEG {
-            true if clearly(away, toward) => Some(Way::Away),
-            true if clearly(toward, away) => Some(Way::Toward),
+            true if clearly(away, toward) => Some(DepthWay::Away),
+            true if clearly(toward, away) => Some(DepthWay::Toward),
             // Both fit, as they do a surface that is nearly flat: the simpler one is believed.
-            true => implied.or(Some(Way::Away)),
+            true => implied.or(Some(DepthWay::Away)),
             false => None,
         };
         Ok((
@@ -273,18 +276,18 @@ impl Judged<'_> {
     /// `reversed`, or with x reversed, in the second.
     fn way_of_reversed(
         &self,
-        reversed: [Option<Way>; 2],
-        implied: Option<Way>,
+        reversed: [Option<DepthWay>; 2],
+        implied: Option<DepthWay>,
         leaning: &'static str,
-    ) -> Option<(Way, &'static str)> {
+    ) -> Option<(DepthWay, &'static str)> {
         let [y, x] = reversed;
         if let Some(way) = implied.filter(|_| reversed.contains(&implied)) {
             return Some((way, leaning));
         }
         let outlines = self.outlines();
-        let shows = |way: Option<Way>, axes| {
+        let shows = |way: Option<DepthWay>, axes| {
             outlines
-                .agree(way? == Way::Away, axes)
+                .agree(way? == DepthWay::Away, axes)
                 .filter(|agree| *agree)
         };
         match (shows(y, [false, true]), shows(x, [true, false])) {

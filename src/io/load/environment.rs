@@ -6,7 +6,7 @@ use super::sources::{RoleSource, read_all, read_rows};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::exr::Limits;
-use crate::io::photo::Meaning;
+use crate::io::photo::CodeMeaning;
 use crate::io::roles::Role;
 use crate::light::environment::Environment;
 use crate::light::environment_layout::Layout;
@@ -40,7 +40,7 @@ pub fn read_environment(path: &Path) -> Result<Environment> {
 /// # Errors
 /// As [`read_environment`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
 pub(crate) fn read_environment_within(path: &Path, most_bytes: u64) -> Result<Environment> {
-    let lights = Lights::open(path, most_bytes)?;
+    let lights = LightsFile::open(path, most_bytes)?;
     let (width, height) = (lights.shown.width(), lights.shown.height());
     let layout = Layout::of_size(width, height).ok_or_else(|| Error::Unsupported {
         path: path.to_path_buf(),
@@ -89,7 +89,7 @@ pub fn read_lit_sphere(path: &Path) -> Result<LitSphere> {
 /// # Errors
 /// As [`read_lit_sphere`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
 pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<LitSphere> {
-    let lights = Lights::open(path, most_bytes)?;
+    let lights = LightsFile::open(path, most_bytes)?;
     let (width, height) = (lights.shown.width(), lights.shown.height());
     if width >= 2 * height {
         return Err(Error::Unsupported {
@@ -110,24 +110,24 @@ pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<Lit
 
 /// The colour of a file over its display window, multiplied by its alpha and linear.
 pub(crate) fn read_color(path: &Path) -> Result<ColorPlanes> {
-    Lights::open(path, u64::MAX)?.read(0)
+    LightsFile::open(path, u64::MAX)?.read(0)
 }
 
 /// Columns and rows that the colour of a file has, by its header.
 pub(crate) fn color_size(path: &Path) -> Result<[usize; 2]> {
-    let shown = Lights::open(path, u64::MAX)?.shown;
+    let shown = LightsFile::open(path, u64::MAX)?.shown;
     Ok([shown.width(), shown.height()])
 }
 
 /// A file with colours to use as light; only its header has been read.
-struct Lights {
+struct LightsFile {
     file: Rc<Opened>,
     sources: Vec<RoleSource>,
     shown: Window,
     most_bytes: u64,
 }
 
-impl Lights {
+impl LightsFile {
     fn open(path: &Path, most_bytes: u64) -> Result<Self> {
         let holding = Holding::within(most_bytes);
         let file = Opened::open_held(path, Selection::default(), holding)?;
@@ -166,7 +166,7 @@ impl Lights {
             Some(photo) => {
                 let rows = 0..photo.header.height;
                 let row = Window::from_size(photo.header.width, 1);
-                photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
+                photo.each_row(rows, CodeMeaning::Linear, &mut |_, planes| {
                     let mut read = RolePlanes::of_photo(photo, planes, row);
                     read.premultiply();
                     reduced.add(&read.into_color());

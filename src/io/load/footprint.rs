@@ -1,7 +1,7 @@
 //! Memory needed for a frame, estimated from headers alone.
 
-use super::bundle::Bundle;
-use super::opened::{Kind, Opened};
+use super::bundle::RoleBundle;
+use super::opened::{Opened, OpenedKind};
 use super::surroundings::place_in;
 use crate::error::Result;
 use crate::frame::Window;
@@ -80,13 +80,13 @@ pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
         areas.max()
     };
     // A folder is as large as the picture in it.
-    let bundle = Bundle::of(path).ok()?;
-    let inside = bundle.as_ref().and_then(Bundle::picture);
+    let bundle = RoleBundle::of(path).ok()?;
+    let inside = bundle.as_ref().and_then(RoleBundle::picture);
     let path = inside.unwrap_or(path);
     let opened = Opened::open(path).ok()?;
     let windows: Vec<Window> = match &opened.kind {
-        Kind::Exr(file) => file.parts.iter().map(|part| part.window).collect(),
-        Kind::Photo(photo) => vec![photo.header.window()],
+        OpenedKind::Exr(file) => file.parts.iter().map(|part| part.window).collect(),
+        OpenedKind::Photo(photo) => vec![photo.header.window()],
     };
     let (display_window, pixel_aspect) = opened.shown(opened.display());
     Some(PictureSize {

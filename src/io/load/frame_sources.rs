@@ -160,7 +160,7 @@ impl FrameSources {
         window: Window,
         part: Option<Window>,
         colorspace: Option<ColorSpace>,
-    ) -> Result<(Planes, Vec<RolePlanes>)> {
+    ) -> Result<(ReadPlanes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(&light.sources).cloned().collect();
         let rows = part.map(|part| part.y0..part.y1);
         let mut read = read_rows(&all, rows, colorspace)?;
@@ -168,7 +168,7 @@ impl FrameSources {
             read.fit_to(source.role, window);
         }
         let light = read.split_off(self.roles.len());
-        Ok((Planes::of(&self.roles, read), light))
+        Ok((ReadPlanes::of(&self.roles, read), light))
     }
 
     /// Colour space of the picture by its `colorInteropID`.
@@ -179,7 +179,7 @@ impl FrameSources {
     /// The candidates for motion among the layers read.
     pub(crate) fn motion(
         &self,
-        planes: &mut Planes,
+        planes: &mut ReadPlanes,
         inputs: &Inputs,
         display: Window,
     ) -> Option<MotionLayers> {
@@ -225,13 +225,13 @@ fn refuse_unlike_orientations(normal: &RoleSource, picture: &RoleSource) -> Resu
 }
 
 /// The planes as read, taken out role by role.
-pub(crate) struct Planes {
+pub(crate) struct ReadPlanes {
     roles: Vec<(Role, RolePlanes)>,
     /// Warnings about replaced values.
     pub(crate) warnings: Vec<String>,
 }
 
-impl Planes {
+impl ReadPlanes {
     /// Reads all of the `sources`.
     pub(crate) fn read(sources: &[RoleSource]) -> Result<Self> {
         Ok(Self::of(sources, read_all(sources)?))

@@ -3,7 +3,7 @@
 use super::depth_sense::ABOVE_ONE;
 use super::frame_sources::missing_normals;
 use super::sources::RoleSource;
-use super::view::View;
+use super::view::FoundView;
 use crate::error::{Result, bad};
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::{depth_of_positions, is_distance};
@@ -12,7 +12,7 @@ use crate::frame::{
     Camera, Mask, Plane, Projection, StoredDepth, Vector3Planes, Window, likely_projection,
 };
 use crate::io::finding::Notes;
-use crate::io::load::{FrameSource, Layers, SeenSurface};
+use crate::io::load::{FrameLayers, SourceRegion, ViewSurface};
 use crate::io::roles::Role;
 use glam::DAffine3;
 use std::time::Instant;
@@ -20,16 +20,16 @@ use std::time::Instant;
 /// The height of white over the longer side of a picture of heights, where it is not known.
 const HIGH: f32 = 0.1;
 
-impl FrameSource<'_> {
+impl SourceRegion<'_> {
     /// The surface that depth shows, or positions in its place, where there are no normals.
     pub(crate) fn surface_of_depth(
         &self,
-        layers: &mut Layers,
+        layers: &mut FrameLayers,
         notes: &mut Notes,
-    ) -> Result<SeenSurface> {
+    ) -> Result<ViewSurface> {
         let depth_is_half = self.depth_is_half(layers);
         let all = Mask::full(self.data_window.width(), self.data_window.height());
-        let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None), notes)?;
+        let mut view = FoundView::of_camera(self.inputs, &self.surface(&all, layers, None), notes)?;
         let source = self.sources.get(Role::Depth);
         let known = match (&layers.depth, view.camera) {
             (Some(_), _) => {
@@ -90,7 +90,7 @@ impl FrameSource<'_> {
         let Covered { mask, lengths, .. } =
             coverage::cover(&mut normal, stored_depth, alpha, covered);
         notes.on_coverage(&mask);
-        Ok(SeenSurface {
+        Ok(ViewSurface {
             normal,
             mask,
             lengths,

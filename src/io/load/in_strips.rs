@@ -25,7 +25,7 @@ pub(crate) struct InputFiles {
 
 /// Size of a frame, by its headers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Extent {
+pub(crate) struct FrameExtent {
     /// The pixels that it has.
     pub window: Window,
     /// Bytes for its decoded photos, including those for mending normals.
@@ -55,7 +55,7 @@ impl InputFiles {
     ///
     /// # Errors
     /// As [`load`], except errors that only pixels reveal; [`Error::Unsupported`] where normals are made from depth.
-    pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
+    pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<FrameExtent> {
         let (inputs, _) = gathered(inputs)?;
         let light = LightSources::resolve(&inputs, &self.main)?;
         let sources = FrameSources::resolve(&inputs, &self.main, needs, !light.is_empty())?;
@@ -70,7 +70,7 @@ impl InputFiles {
         let mut photos: Vec<_> = all.filter_map(|source| source.file.photo()).collect();
         photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
         photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
-        Ok(Extent {
+        Ok(FrameExtent {
             window: sources.common_window(&light)?,
             photo_bytes: photos
                 .into_iter()

@@ -46,7 +46,7 @@ use crate::io::photo::{PhotoMetadata, StoredPhoto};
 use crate::io::roles::Role;
 use bundle::gathered;
 use depth_sense::judge_sense;
-use frame_sources::{FrameSources, Planes, only_occlusion};
+use frame_sources::{FrameSources, ReadPlanes, only_occlusion};
 use gloss::LitPicture;
 use light_layers::{LightSources, has_light_passes};
 use opened::Opened;
@@ -55,7 +55,7 @@ use sources::RoleSource;
 use std::ops::Range;
 use std::rc::Rc;
 use std::time::Duration;
-use view::{View, turn_to_view};
+use view::{FoundView, turn_to_view};
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -161,7 +161,7 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let mut notes = Notes::about(&sources, &main);
     // A photo shows all of itself, whichever rows are read.
     let (display_window, pixel_aspect) = main.shown(whole);
-    let source = FrameSource {
+    let source = SourceRegion {
         inputs,
         main: &main,
         objects: objects::file_of(inputs, &main, whole)?,
@@ -195,14 +195,14 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     }
     drop(own_alpha);
     let are_filtered = stored_normal.is_some() && encoding == NormalEncoding::Signed;
-    let mut layers = Layers::of(&mut planes);
+    let mut layers = FrameLayers::of(&mut planes);
     notes.warnings.append(&mut planes.warnings);
     let strength = source.strength(planes.scalar(Role::Mask))?;
     if let Some(strength) = &strength {
         notes.on_strength(strength, inputs.rows.is_some());
     }
     let strength = layers.take_strength(strength, needs);
-    let SeenSurface {
+    let ViewSurface {
         normal,
         mask,
         lengths,
@@ -311,7 +311,7 @@ fn settle_depth_kind(
 }
 
 /// The layers that go into a frame beside its normals.
-pub(crate) struct Layers {
+pub(crate) struct FrameLayers {
     pub(crate) color: Option<RolePlanes>,
     pub(crate) alpha: Option<Plane>,
     pub(crate) albedo: Option<RolePlanes>,
@@ -320,8 +320,8 @@ pub(crate) struct Layers {
     pub(crate) coverage: Option<Plane>,
 }
 
-impl Layers {
-    fn of(planes: &mut Planes) -> Self {
+impl FrameLayers {
+    fn of(planes: &mut ReadPlanes) -> Self {
         let (color, alpha) = planes.color(Role::Color);
         let mut albedos = [Role::Albedo, Role::DiffuseColor].into_iter();
         Self {
@@ -352,7 +352,7 @@ impl Layers {
 }
 
 /// Source of a frame, and the pixels to read.
-pub(crate) struct FrameSource<'a> {
+pub(crate) struct SourceRegion<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) main: &'a Opened,
     /// The file that tells its objects apart.
@@ -364,23 +364,23 @@ pub(crate) struct FrameSource<'a> {
 }
 
 /// The surface of a frame in view space, and how its layers were read.
-pub(crate) struct SeenSurface {
+pub(crate) struct ViewSurface {
     pub(crate) normal: Vector3Planes,
     pub(crate) mask: Mask,
     /// The lengths that the normals had.
     pub(crate) lengths: Plane,
     pub(crate) sense: Sense,
     pub(crate) depth_is_half: bool,
-    pub(crate) view: View,
+    pub(crate) view: FoundView,
     /// How long normals took to make, of depth.
     pub(crate) made: Option<Duration>,
 }
 
-impl FrameSource<'_> {
+impl SourceRegion<'_> {
     pub(crate) fn surface<'s>(
         &'s self,
         mask: &'s Mask,
-        layers: &'s Layers,
+        layers: &'s FrameLayers,
         depth: Option<&'s Plane>,
     ) -> SurfaceSamples<'s> {
         SurfaceSamples {
@@ -399,10 +399,10 @@ impl FrameSource<'_> {
     fn seen_surface(
         &self,
         mut normal: Vector3Planes,
-        layers: &mut Layers,
+        layers: &mut FrameLayers,
         needs: Needs,
         notes: &mut Notes,
-    ) -> Result<SeenSurface> {
+    ) -> Result<ViewSurface> {
         let sense = self.depth_sense(&normal, layers)?;
         let stored = sense.as_ref().map(|(stored, _)| *stored);
         let depth = layers.depth.as_mut().map(|depth| (depth, stored));
@@ -443,7 +443,7 @@ impl FrameSource<'_> {
             coverage::narrow_to(&mut mask, &mut depth);
             layers.depth = Some(depth);
         }
-        Ok(SeenSurface {
+        Ok(ViewSurface {
             normal,
             mask,
             lengths,
@@ -465,14 +465,14 @@ impl FrameSource<'_> {
     }
 
     /// Prior knowledge about depth, before it is compared with the frame.
-    fn depth_sense(&self, normal: &Vector3Planes, layers: &Layers) -> Result<Sense> {
+    fn depth_sense(&self, normal: &Vector3Planes, layers: &FrameLayers) -> Result<Sense> {
         let raw = match (self.inputs.depth_kind, &layers.depth) {
             (Some(stored), _) => return Ok(Some((stored, "as given".into()))),
             (None, Some(raw)) => raw,
             (None, None) => return Ok(None),
         };
         let none = Mask::full(0, 0);
-        let evidence = depth_sense::Layers {
+        let evidence = depth_sense::SenseLayers {
             inputs: self.inputs,
             raw,
             normal,
@@ -485,13 +485,16 @@ impl FrameSource<'_> {
     }
 
     /// Positions, where they replace depth: no depth is given, and occlusion was not chosen instead.
-    pub(crate) fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
+    pub(crate) fn positions_for_depth<'s>(
+        &self,
+        layers: &'s FrameLayers,
+    ) -> Option<&'s Vector3Planes> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
         layers.position.as_ref().filter(|_| is_wanted)
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.
-    pub(crate) fn depth_is_half(&self, layers: &Layers) -> bool {
+    pub(crate) fn depth_is_half(&self, layers: &FrameLayers) -> bool {
         let role = match &layers.depth {
             Some(_) => Role::Depth,
             None => Role::Position,

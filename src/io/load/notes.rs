@@ -2,7 +2,7 @@
 
 use super::frame_sources::FrameSources;
 use super::opened::Opened;
-use super::sources::Chosen;
+use super::sources::WhyChosen;
 use crate::error::Result;
 use crate::frame::objects::Objects;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes, noise_left};
@@ -17,8 +17,8 @@ use std::rc::Rc;
 const LINE: usize = 80;
 
 /// Why a layer was chosen, and as many of the others as the line has room for beside the `flag`.
-fn evidence(chosen: &Chosen, flag: &str) -> String {
-    let Chosen { why, others } = chosen;
+fn evidence(chosen: &WhyChosen, flag: &str) -> String {
+    let WhyChosen { why, others } = chosen;
     let Some(first) = others.first() else {
         return why.clone();
     };

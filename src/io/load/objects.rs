@@ -40,7 +40,7 @@ pub struct ObjectSurvey {
 }
 
 /// Where a picture has objects: their numbers in each layer of Cryptomatte, and those in passes that hold one for each pixel.
-struct Found {
+struct FoundObjects {
     hashed: Vec<Vec<u32>>,
     indices: Vec<(ChannelId, f32)>,
 }
@@ -173,7 +173,7 @@ pub(crate) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<
     let mut hashed = cryptomatte::layers(file)?;
     hashed.retain(|layer| !layer.channels().into_iter().any(|id| of.is_apart(id)));
     let find = |names: &[&str]| {
-        let mut found = Found {
+        let mut found = FoundObjects {
             hashed: vec![Vec::new(); hashed.len()],
             indices: Vec::new(),
         };
@@ -182,7 +182,7 @@ pub(crate) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<
         all.map(|()| found)
     };
     let (found, left_out) = (find(&wanted)?, find(&unwanted)?);
-    let sum = |found: &Found, excluded| summed(found, excluded, file, &hashed, window);
+    let sum = |found: &FoundObjects, excluded| summed(found, excluded, file, &hashed, window);
     let mut covered = match wanted.is_empty() {
         true => Plane::filled(window.width(), window.height(), 1.0),
         false => sum(&found, Some(&left_out))?,
@@ -286,7 +286,7 @@ pub(crate) fn fallbacks(
     Ok(Some(found))
 }
 
-impl Found {
+impl FoundObjects {
     /// Adds the objects of this name: with `*` and `?` for any letters, or a number of an object or a material.
     fn add(
         &mut self,
@@ -332,8 +332,8 @@ impl Found {
 
 /// The shares of all that was found, without what is `excluded`: summed within each layer, the largest over layers.
 fn summed(
-    found: &Found,
-    excluded: Option<&Found>,
+    found: &FoundObjects,
+    excluded: Option<&FoundObjects>,
     file: &ExrFile,
     hashed: &[Cryptomatte],
     window: Window,

@@ -24,7 +24,7 @@ use std::sync::{Arc, OnceLock};
 
 /// An input file whose header has been read: an EXR, or a photo, which has no layers.
 pub(crate) struct Opened {
-    pub(in crate::io) kind: Kind,
+    pub(in crate::io) kind: OpenedKind,
     /// Its layers, of one view and one group if there are several.
     pub(crate) layers: Vec<Layer>,
     pub(crate) groups: Groups,
@@ -39,7 +39,7 @@ pub(crate) struct Opened {
     pub(crate) holding: Holding,
 }
 
-pub(in crate::io) enum Kind {
+pub(in crate::io) enum OpenedKind {
     Exr(Box<ExrFile>),
     Photo(StoredPhoto),
 }
@@ -142,7 +142,7 @@ impl Opened {
     /// The file with the layers that are wanted, and the policy for samples of photos.
     pub(crate) fn open_held(path: &Path, wanted: Selection, holding: Holding) -> Result<Rc<Self>> {
         if let Some((photo, judged)) = holding.part.as_ref().and_then(|part| part.of(path)) {
-            let part = Self::new(Kind::Photo(photo), holding);
+            let part = Self::new(OpenedKind::Photo(photo), holding);
             return Ok(Rc::new(Self { judged, ..part }));
         }
         if is_inside(path) || !has_exr_magic(path)? {
@@ -154,7 +154,7 @@ impl Opened {
                     height.min(photo.header.height),
                 ];
             }
-            return Ok(Rc::new(Self::new(Kind::Photo(photo), holding)));
+            return Ok(Rc::new(Self::new(OpenedKind::Photo(photo), holding)));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let mut layers = layers_of(&file);
@@ -164,11 +164,11 @@ impl Opened {
             groups: groups::keep(&file, &mut layers, wanted.layer)?,
             layers,
             views,
-            ..Self::new(Kind::Exr(file), holding)
+            ..Self::new(OpenedKind::Exr(file), holding)
         }))
     }
 
-    fn new(kind: Kind, holding: Holding) -> Self {
+    fn new(kind: OpenedKind, holding: Holding) -> Self {
         Self {
             kind,
             layers: Vec::new(),
@@ -185,24 +185,24 @@ impl Opened {
     /// The EXR it is, if it is one.
     pub(crate) fn exr(&self) -> Option<&ExrFile> {
         match &self.kind {
-            Kind::Exr(file) => Some(file),
-            Kind::Photo(_) => None,
+            OpenedKind::Exr(file) => Some(file),
+            OpenedKind::Photo(_) => None,
         }
     }
 
     /// The photo it is, if it is one.
     pub(in crate::io) fn photo(&self) -> Option<&StoredPhoto> {
         match &self.kind {
-            Kind::Exr(_) => None,
-            Kind::Photo(photo) => Some(photo),
+            OpenedKind::Exr(_) => None,
+            OpenedKind::Photo(photo) => Some(photo),
         }
     }
 
     /// The pixels meant to be shown.
     pub(crate) fn display(&self) -> Window {
         match &self.kind {
-            Kind::Exr(file) => file.display_window,
-            Kind::Photo(photo) => photo.header.window(),
+            OpenedKind::Exr(file) => file.display_window,
+            OpenedKind::Photo(photo) => photo.header.window(),
         }
     }
 
@@ -286,8 +286,8 @@ impl Opened {
 
     pub(crate) fn path(&self) -> &Path {
         match &self.kind {
-            Kind::Exr(file) => &file.path,
-            Kind::Photo(photo) => &photo.header.path,
+            OpenedKind::Exr(file) => &file.path,
+            OpenedKind::Photo(photo) => &photo.header.path,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The file and layer of each role, and reading them.
 
-use super::bundle::Bundle;
+use super::bundle::RoleBundle;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use crate::error::{Error, Result};
@@ -14,7 +14,7 @@ use crate::io::inputs::{Inputs, NONE, NormalEncoding, Wrap};
 use crate::io::judge::borders::Borders;
 use crate::io::judge::map_codes::Mistake;
 use crate::io::noise::noise_of;
-use crate::io::photo::{Meaning, StoredPhoto, is_inside, max_code};
+use crate::io::photo::{CodeMeaning, StoredPhoto, is_inside, max_code};
 use crate::io::picture::is_picture_name;
 use crate::io::roles::names::{self, Hint};
 use crate::io::roles::nearest;
@@ -39,12 +39,12 @@ pub(crate) struct RoleSource {
     /// Whether it holds normals along the axes of the picture: of others noise cannot be told.
     is_along_axes: bool,
     /// Why it was chosen, where neither the table of names nor a flag names it, and the other layers that could be.
-    pub(crate) chosen: Option<Chosen>,
+    pub(crate) chosen: Option<WhyChosen>,
 }
 
 /// Why a layer was chosen for its role.
 #[derive(Clone)]
-pub(crate) struct Chosen {
+pub(crate) struct WhyChosen {
     pub(crate) why: String,
     /// Names of the other layers that could play the role, the best first.
     pub(crate) others: Vec<String>,
@@ -64,7 +64,7 @@ impl RoleSource {
             return Ok(Some(source));
         }
         let path = Path::new(name);
-        if let Some(bundle) = Bundle::of(path)? {
+        if let Some(bundle) = RoleBundle::of(path)? {
             let file = bundle.member(role).map(|file| main.open_companion(file));
             let file = file.ok_or_else(|| bundle.without(role))??;
             return Ok(Self::in_file(role, &file));
@@ -97,7 +97,7 @@ impl RoleSource {
         role: Role,
         file: &Rc<Opened>,
         layer: Option<Match>,
-        chosen: Option<Chosen>,
+        chosen: Option<WhyChosen>,
     ) -> Self {
         Self {
             role,
@@ -112,7 +112,7 @@ impl RoleSource {
 
     /// The normals of a photo that is a normal map itself.
     pub(crate) fn normal_map(main: &Rc<Opened>) -> Option<Self> {
-        let chosen = Chosen {
+        let chosen = WhyChosen {
             why: "its pixels hold vectors of unit length".into(),
             others: Vec::new(),
         };
@@ -288,7 +288,7 @@ impl RoleSource {
         &self,
         photo: &StoredPhoto,
         rows: Range<usize>,
-        meaning: Meaning,
+        meaning: CodeMeaning,
     ) -> Result<Vec<Plane>> {
         let mut planes = photo.planes(rows, meaning)?;
         if self.encoding_of_normals() == Some(NormalEncoding::Ag) {
@@ -383,17 +383,17 @@ impl RoleSource {
 }
 
 /// The layer for `role` if the table of names knows none.
-fn by_words_or_numbers(role: Role, file: &Opened) -> Option<(Match, Option<Chosen>)> {
+fn by_words_or_numbers(role: Role, file: &Opened) -> Option<(Match, Option<WhyChosen>)> {
     let mut by_words = roles::by_words(&file.layers, role).into_iter();
     if let Some(layer) = by_words.next() {
-        let chosen = Chosen {
+        let chosen = WhyChosen {
             why: "by the words of its name".into(),
             others: by_words.map(|other| other.layer).collect(),
         };
         return Some((layer, Some(chosen)));
     }
     let found = file.role_by_numbers(role)?;
-    let chosen = Chosen {
+    let chosen = WhyChosen {
         why: format!("by numbers: {}", found.why),
         others: found.others.clone(),
     };
@@ -506,8 +506,8 @@ fn photo_planes(
     let role = source.role;
     let is_linear = colorspace.is_some_and(|space| space != ColorSpace::Srgb);
     let meaning = match role.is_color() && !is_linear {
-        true => Meaning::Linear,
-        false => Meaning::Stored,
+        true => CodeMeaning::Linear,
+        false => CodeMeaning::Stored,
     };
     let is_coarse = photo.header.bits == 8 && photo.header.may_hold_coded_vectors();
     if role == Role::Normal && (is_coarse || source.noise() > 0.0) {
@@ -560,7 +560,7 @@ fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> R
     let [first, last] = [window.y0, window.y1].map(|y| y as usize);
     let first = first.saturating_sub(reach) / UNROUNDING_PHASE * UNROUNDING_PHASE;
     let last = (last + reach).min(photo.header.height);
-    let planes = source.planes_of(photo, first..last, Meaning::Stored)?;
+    let planes = source.planes_of(photo, first..last, CodeMeaning::Stored)?;
     let taken = Window {
         y0: first as i32,
         y1: last as i32,

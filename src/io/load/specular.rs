@@ -1,7 +1,7 @@
 //! Reading the scene seen in mirrors and through lenses: the frame's own specular pixels, back faces, objects behind,
 //! the surroundings, and, from renderers that write them, the hit points of bent sight lines.
 
-use super::frame_sources::Planes;
+use super::frame_sources::ReadPlanes;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::sources::{RoleSource, missing, read_all};
@@ -92,7 +92,7 @@ pub fn load_specular(
         }),
     };
     let layer = |path: &Path| {
-        Layer {
+        SpecularFile {
             path,
             loaded,
             camera,
@@ -181,13 +181,13 @@ fn in_view(position: &Vector3Planes, camera: &Camera) -> Vector3Planes {
 }
 
 /// A file that the frame's camera saw too.
-struct Layer<'a> {
+struct SpecularFile<'a> {
     path: &'a Path,
     loaded: &'a Loaded,
     camera: Camera,
 }
 
-impl Layer<'_> {
+impl SpecularFile<'_> {
     fn read(&self) -> Result<Frame> {
         let file = self.loaded.main.open_companion(self.path)?;
         let find = |role| RoleSource::by_role(role, &file);
@@ -197,7 +197,7 @@ impl Layer<'_> {
         let sources = [Some(place), find(Role::Normal), find(Role::Color)];
         let sources: Vec<_> = sources.into_iter().flatten().collect();
         let data_window = self.common_window(&file, &sources)?;
-        let mut planes = Planes::read(&sources)?;
+        let mut planes = ReadPlanes::read(&sources)?;
         let positions = planes.vector(Role::Position);
         let depth = planes
             .scalar(Role::Depth)

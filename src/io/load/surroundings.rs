@@ -1,6 +1,6 @@
 //! Reading distance maps: equirectangular panoramas with positions or distances.
 
-use super::frame_sources::Planes;
+use super::frame_sources::ReadPlanes;
 use super::normals_of_points::normals_of_points;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
@@ -64,7 +64,7 @@ pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surr
     sources.extend(find(Role::Color));
     sources.retain(|source| source.window() == window);
     let pose = pose.map(read_pose).transpose()?;
-    let mut planes = Planes::read(&sources)?;
+    let mut planes = ReadPlanes::read(&sources)?;
     let (points, center, map_from_world) = if has_positions {
         let positions = planes.vector(Role::Position).expect("found above");
         let seen = seen(&positions);

@@ -2,7 +2,7 @@
 
 use super::bundle::gathered;
 use super::objects::{self, ObjectSurvey};
-use super::opened::{Kind, Opened, layers_of};
+use super::opened::{Opened, OpenedKind, layers_of};
 use crate::error::Result;
 use crate::frame::Window;
 use crate::io::exr::{ExrFile, Part, SampleType};
@@ -81,8 +81,8 @@ pub fn survey(inputs: &Inputs) -> Result<Survey> {
     let opened = Opened::open_picture(&gathered(inputs)?.0)?;
     let (display_window, pixel_aspect) = opened.shown(opened.display());
     let (parts, roles) = match &opened.kind {
-        Kind::Exr(file) => (part_surveys(file), role_surveys(&opened, file)),
-        Kind::Photo(photo) => photo_survey(photo),
+        OpenedKind::Exr(file) => (part_surveys(file), role_surveys(&opened, file)),
+        OpenedKind::Photo(photo) => photo_survey(photo),
     };
     let telling = objects::named(inputs, &opened)?.unwrap_or_else(|| opened.clone());
     let objects = telling.exr().map(objects::surveyed).transpose()?;

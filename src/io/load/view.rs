@@ -30,7 +30,7 @@ const TURN_ERRORS: f64 = 3.0;
 const TURN_LEAVES: f64 = 0.5;
 
 /// The camera, where one was found, and what was concluded.
-pub(crate) struct View {
+pub(crate) struct FoundView {
     pub(crate) camera: Option<Camera>,
     /// Whether it is known where in the world the camera stands, and not only how it is turned.
     pub(crate) is_placed: bool,
@@ -40,7 +40,7 @@ pub(crate) struct View {
     pub(crate) normals: NormalReading,
 }
 
-impl View {
+impl FoundView {
     /// That of a frame without normals: the camera that a file, attributes or positions tell.
     pub(crate) fn of_camera(
         inputs: &Inputs,
@@ -70,7 +70,7 @@ pub(crate) fn turn_to_view(
     source: &RoleSource,
     normal: &mut Vector3Planes,
     notes: &mut Notes,
-) -> Result<View> {
+) -> Result<FoundView> {
     let samples = NormalSamples::new(normal, surface.mask, surface.position, surface.depth);
     let mut search = CameraSearch::new(inputs, surface);
     let is_needed = projection || inputs.camera.is_some();
@@ -131,7 +131,7 @@ pub(crate) fn turn_to_view(
     if let Some(camera) = &camera {
         normals::turn_to_view(normal, normals.space, camera, surface.data_window);
     }
-    Ok(View {
+    Ok(FoundView {
         is_placed,
         is_recovered,
         camera,

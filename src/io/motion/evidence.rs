@@ -78,7 +78,7 @@ impl MotionVerdict {
 }
 
 /// A way back to the frame before.
-struct Way {
+struct WayBack {
     pair: usize,
     convention: MotionConvention,
     /// In pixels, y up, at each pixel that is compared.
@@ -94,9 +94,9 @@ pub(super) fn judge(
     steps: u32,
     still: Option<&Vector2Planes>,
 ) -> MotionVerdict {
-    let scene = Scene::of(now, before);
+    let scene = FramePair::of(now, before);
     let times = steps as f32;
-    let mut ways: Vec<Way> = layers
+    let mut ways: Vec<WayBack> = layers
         .pairs
         .iter()
         .enumerate()
@@ -124,9 +124,9 @@ pub(super) fn judge(
 
 fn verdict(
     layers: &MotionLayers,
-    ways: &[Way],
-    stands: &Way,
-    world: Option<&Way>,
+    ways: &[WayBack],
+    stands: &WayBack,
+    world: Option<&WayBack>,
 ) -> MotionVerdict {
     let undecided = |is_still, evidence: String| MotionVerdict {
         found: None,
@@ -136,11 +136,11 @@ fn verdict(
         evidence,
         flags: None,
     };
-    let Some(least) = ways.iter().map(Way::mean).min_by(f64::total_cmp) else {
+    let Some(least) = ways.iter().map(WayBack::mean).min_by(f64::total_cmp) else {
         return undecided(true, "nothing can be compared".into());
     };
-    let is_named = |way: &&Way| layers.pairs[way.pair].by_name == Some(way.convention);
-    let is_good = |way: &&Way| way.mean() <= AS_GOOD * least;
+    let is_named = |way: &&WayBack| layers.pairs[way.pair].by_name == Some(way.convention);
+    let is_good = |way: &&WayBack| way.mean() <= AS_GOOD * least;
     let best = ways.iter().filter(is_good).find(is_named);
     let best = best.or_else(|| ways.iter().find(|way| way.mean() == least));
     let Some(best) = best else {
@@ -191,10 +191,10 @@ fn verdict(
 /// Whether `best`, of the layer called `label`, explains the frame, and better than a still picture or a still world; else
 /// whether nothing moves, and why not.
 fn beats_stillness(
-    best: &Way,
+    best: &WayBack,
     label: &str,
-    stands: &Way,
-    world: Option<&Way>,
+    stands: &WayBack,
+    world: Option<&WayBack>,
 ) -> std::result::Result<(), (bool, String)> {
     let convention = best.convention;
     let Some((own, its)) = best.against(stands) else {
@@ -222,7 +222,7 @@ fn beats_stillness(
     }
 }
 
-impl Way {
+impl WayBack {
     /// Mean residual, 0..1.
     fn mean(&self) -> f64 {
         let sum: f64 = self.left.iter().map(|&left| f64::from(left)).sum();
@@ -247,7 +247,7 @@ impl Way {
 }
 
 /// Two frames, and where they are compared.
-struct Scene<'a> {
+struct FramePair<'a> {
     now: &'a Frame,
     before: &'a FrameBefore,
     luminance: Option<Plane>,
@@ -255,7 +255,7 @@ struct Scene<'a> {
     at: Vec<[usize; 2]>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> FramePair<'a> {
     fn of(now: &'a Frame, before: &'a FrameBefore) -> Self {
         Self {
             now,
@@ -265,10 +265,10 @@ impl<'a> Scene<'a> {
         }
     }
 
-    fn way(&self, pair: usize, convention: MotionConvention, back: Vec<[f32; 2]>) -> Way {
+    fn way(&self, pair: usize, convention: MotionConvention, back: Vec<[f32; 2]>) -> WayBack {
         let ways = self.at.iter().zip(&back);
         let left = ways.map(|(&at, &back)| self.left(at, back));
-        Way {
+        WayBack {
             pair,
             convention,
             left: left.collect(),

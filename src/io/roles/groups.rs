@@ -62,7 +62,10 @@ pub(crate) fn keep(
     for (layer, set) in layers.drain(..).zip(set_of) {
         sets[set].push(layer);
     }
-    let worth: Vec<Shown> = sets.iter().map(|layers| Shown::by(layers)).collect();
+    let worth: Vec<ShownByLayers> = sets
+        .iter()
+        .map(|layers| ShownByLayers::by(layers))
+        .collect();
     // Plain layers that are no frame by themselves are shared by all groups.
     let first = usize::from(!(worth[PLAIN].normals && worth[PLAIN].picture));
     let best = |best: usize, next| {
@@ -98,14 +101,14 @@ pub(crate) fn keep(
 
 /// What layers show by themselves, the most telling first.
 #[derive(PartialEq, PartialOrd)]
-struct Shown {
+struct ShownByLayers {
     normals: bool,
     /// Whether they hold the picture that programs show of the file: the bare channels of the first part.
     default_picture: bool,
     picture: bool,
 }
 
-impl Shown {
+impl ShownByLayers {
     fn by(layers: &[Layer]) -> Self {
         let plays = |role| roles::find(layers, role).is_some();
         let is_default = |l: &Layer| l.part == 0 && l.bare && l.has(&["r", "g", "b"]);

@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 
 /// Meaning of a word in a layer's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Meaning {
+enum WordMeaning {
     /// The role that the layer plays.
     Plays(Role),
     /// The same, if all other words are known: short words have many meanings.
@@ -27,10 +27,10 @@ enum Meaning {
     Excludes,
 }
 
-use Meaning::{Excludes, Goes, MayPlay, Plays, Space};
+use WordMeaning::{Excludes, Goes, MayPlay, Plays, Space};
 
 /// Meanings of words in lower case; two adjacent words, such as `base color`, are first looked up as one.
-const WORDS: &[(Meaning, &str)] = &[
+const WORDS: &[(WordMeaning, &str)] = &[
     (Plays(Role::Normal), "normal normals nrm nrml nml norm nor"),
     (MayPlay(Role::Normal), "n ns ng nn"),
     (
@@ -133,8 +133,8 @@ fn judge(words: Vec<String>) -> Said {
     }
 }
 
-fn meaning(word: &str) -> Option<Meaning> {
-    static MEANINGS: LazyLock<HashMap<&str, Meaning>> = LazyLock::new(|| {
+fn meaning(word: &str) -> Option<WordMeaning> {
+    static MEANINGS: LazyLock<HashMap<&str, WordMeaning>> = LazyLock::new(|| {
         let rows = WORDS.iter();
         let words =
             rows.flat_map(|(meaning, words)| words.split_whitespace().map(|word| (word, *meaning)));

@@ -161,7 +161,7 @@ pub(crate) fn scale_groups(
 }
 
 /// Rows for one task, kept in the cache.
-struct Scratch {
+struct LayerRows {
     kappa: Vec<f32>,
     sigma: Vec<f32>,
     /// Sums over the directions of a group: of n.l, and of scaled n.l.
@@ -172,7 +172,7 @@ struct Scratch {
     layered: [Vec<f32>; 3],
 }
 
-impl Scratch {
+impl LayerRows {
     fn new(width: usize) -> Self {
         let row = || vec![0.0; width];
         Self {
@@ -202,7 +202,7 @@ impl Scratch {
 fn changed(
     frame: &Frame,
     memory: &Memory,
-    add: impl Fn(usize, &mut Scratch) + Sync,
+    add: impl Fn(usize, &mut LayerRows) + Sync,
 ) -> ColorPlanes {
     let mask = &frame.mask;
     let color = frame.color.as_ref().expect("scaling needs a picture");
@@ -211,7 +211,7 @@ fn changed(
     parallel_rows([&mut made.r, &mut made.g, &mut made.b])
         .with_min_len(ROWS_PER_TASK)
         .for_each_init(
-            || Scratch::new(mask.width()),
+            || LayerRows::new(mask.width()),
             |scratch, (y, rows)| {
                 let from = color_row(color, y);
                 if mask.span(y).is_empty() {

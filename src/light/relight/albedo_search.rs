@@ -3,7 +3,7 @@
 use super::albedo::{fitted, luminance_over};
 #[cfg(any(feature = "cli", feature = "gpu"))]
 use crate::frame::Extent;
-use crate::frame::percentile::{Looks, Sample};
+use crate::frame::percentile::{Looks, PictureSample};
 use crate::frame::{Frame, Vector3Planes};
 use crate::light::albedo::{AlbedoEstimate, ShadingFit};
 use crate::plan::execution::Execution;
@@ -20,7 +20,7 @@ const BRIGHT: f32 = 0.8;
 pub(crate) struct AlbedoSearch {
     fit: ShadingFit,
     /// The light over the fitted shading, for the white level.
-    white: Sample<f32>,
+    white: PictureSample<f32>,
 }
 
 impl AlbedoSearch {

@@ -3,17 +3,17 @@
 use crate::frame::{ColorPlanes, DepthKind, Plane};
 use crate::light::alignment::{Detail, SIGMAS_PX};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
-use crate::light::relight::curvature::{Curvature, CurvatureRow};
-use crate::light::relight::scene::Scene;
+use crate::light::relight::curvature::{CurvatureRow, CurvedBy};
+use crate::light::relight::scene::LitScene;
 use crate::light::shadows::cast::WHOLE;
 use crate::light::shadows::horizons::{AZIMUTHS, Bearing, HorizonLanes, see_sky};
-use crate::light::sum::{LightSum, Sums};
+use crate::light::sum::{LightSum, LightSums};
 use glam::DVec3;
 use std::ops::Range;
 
 /// Neighbouring pixels of a row in neighbouring lanes.
 #[derive(Debug, Clone)]
-struct Piece {
+struct RowPiece {
     y: usize,
     columns: Range<usize>,
     lane: usize,
@@ -30,7 +30,7 @@ pub(crate) struct RowShape<'a> {
 #[repr(C, align(64))]
 pub(crate) struct GlossLanes {
     /// Mirrored light: as diffuse what follows the reflectance, as specular that of grazing angles.
-    pub(crate) sums: Sums,
+    pub(crate) sums: LightSums,
     /// Reflectance where the surface faces the viewer.
     pub(crate) reflectance: [Lanes; 3],
     /// Light that stays as it was rendered.
@@ -74,7 +74,7 @@ pub(crate) struct Batch {
     pub(crate) looked_up: [Lanes; 3],
     /// Resulting colours.
     pub(crate) shown: [Lanes; 3],
-    pieces: Vec<Piece>,
+    pieces: Vec<RowPiece>,
 }
 
 const SCALES: usize = SIGMAS_PX.len();
@@ -92,7 +92,7 @@ impl Batch {
             kappa: ZERO,
             albedo: [ONE; 3],
             gloss: GlossLanes {
-                sums: Sums::NONE,
+                sums: LightSums::NONE,
                 reflectance: [ZERO; 3],
                 kept: [ZERO; 3],
             },
@@ -115,7 +115,7 @@ impl Batch {
     /// Adds a run of covered pixels; calls `full` whenever the batch is full.
     pub(crate) fn take_run(
         &mut self,
-        scene: &Scene,
+        scene: &LitScene,
         RowShape { normal, curvature }: RowShape,
         y: usize,
         mut columns: Range<usize>,
@@ -149,7 +149,7 @@ impl Batch {
     /// Copies the samples of the pixels at `columns` of row `y` to the next lanes.
     fn gather(
         &mut self,
-        scene: &Scene,
+        scene: &LitScene,
         RowShape { normal, curvature }: RowShape,
         y: usize,
         columns: Range<usize>,
@@ -165,12 +165,12 @@ impl Batch {
             copy_row(lanes, row);
         }
         match scene.curvature {
-            Some(Curvature::Hessian(_)) => {
+            Some(CurvedBy::Hessian(_)) => {
                 for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
                     copy_row(lanes, curvature.entry(k));
                 }
             }
-            Some(Curvature::Trace(_) | Curvature::Made(_)) => {
+            Some(CurvedBy::Trace(_) | CurvedBy::Made(_)) => {
                 copy_row(&mut self.trace, curvature.entry(0))
             }
             None => {}
@@ -228,7 +228,7 @@ impl Batch {
             self.find_points(scene, y, columns.clone());
         }
         self.pixels.count += columns.len();
-        self.pieces.push(Piece { y, columns, lane });
+        self.pieces.push(RowPiece { y, columns, lane });
     }
 
     /// Sets the light that arrives to one of this direction everywhere.
@@ -254,7 +254,7 @@ impl Batch {
     }
 
     /// Computes view-space positions of the surface.
-    fn find_points(&mut self, scene: &Scene, y: usize, columns: Range<usize>) {
+    fn find_points(&mut self, scene: &LitScene, y: usize, columns: Range<usize>) {
         let frame = scene.frame;
         let depth = frame.depth.as_ref().expect("points are planned with depth");
         let kind: DepthKind = frame.source.depth_kind;
@@ -302,7 +302,7 @@ impl Batch {
 
     /// Takes off what does not arrive of the light of a lamp.
     pub(crate) fn shade(&mut self, share: &Plane<u16>) {
-        for Piece { y, columns, lane } in &self.pieces {
+        for RowPiece { y, columns, lane } in &self.pieces {
             let shares = &share.row(*y)[columns.clone()];
             let lanes = self.near.1[*lane..].iter_mut().zip(shares);
             lanes.for_each(|(light, &share)| *light *= f32::from(share) / WHOLE);
@@ -319,7 +319,7 @@ impl Batch {
 
     /// Writes the resulting colours to rows that start with row `first` of the frame.
     pub(crate) fn scatter(&self, rows: &mut [&mut [f32]; 3], first: usize, width: usize) {
-        for Piece { y, columns, lane } in &self.pieces {
+        for RowPiece { y, columns, lane } in &self.pieces {
             let start = (y - first) * width + columns.start;
             for (row, shown) in rows.iter_mut().zip(&self.shown) {
                 row[start..start + columns.len()]

@@ -6,17 +6,17 @@ use crate::shape::Rows;
 use crate::shape::hessian;
 
 /// The source of curvature: the required part of the Hessian, or that part precomputed.
-pub(crate) enum Curvature<'a> {
+pub(crate) enum CurvedBy<'a> {
     /// All entries.
-    Hessian(Slopes<'a>),
+    Hessian(FlowSlopes<'a>),
     /// Its trace.
-    Trace(Slopes<'a>),
+    Trace(FlowSlopes<'a>),
     /// Its trace, already computed for choosing the gain.
     Made(&'a Plane),
 }
 
 /// The diffused gradient, whose change across open pixels is the Hessian.
-pub(crate) struct Slopes<'a> {
+pub(crate) struct FlowSlopes<'a> {
     pub(crate) gradient: &'a Vector2Planes,
     pub(crate) conductance: &'a Plane,
     /// Converts from per pixel to per pixel of the reference.
@@ -36,14 +36,14 @@ impl CurvatureRow {
     }
 
     /// Computes row `y`.
-    pub(crate) fn make<'a>(&mut self, curvature: &Curvature<'a>, frame: &Frame, y: usize) {
+    pub(crate) fn make<'a>(&mut self, curvature: &CurvedBy<'a>, frame: &Frame, y: usize) {
         let columns = frame.mask.span(y);
         if columns.is_empty() {
             return;
         }
         let [first, second, third] = &mut self.rows;
-        let around = |slopes: &Slopes<'a>| {
-            let Slopes {
+        let around = |slopes: &FlowSlopes<'a>| {
+            let FlowSlopes {
                 gradient,
                 conductance,
                 ..
@@ -51,7 +51,7 @@ impl CurvatureRow {
             [&gradient.x, &gradient.y, conductance].map(|plane| Rows::around(plane, y))
         };
         let factor = match curvature {
-            Curvature::Hessian(slopes) => {
+            CurvedBy::Hessian(slopes) => {
                 let [gx, gy, c] = &around(slopes);
                 wide!(hessian::hessian_row(
                     [first, second, third],
@@ -62,12 +62,12 @@ impl CurvatureRow {
                 ));
                 slopes.factor
             }
-            Curvature::Trace(slopes) => {
+            CurvedBy::Trace(slopes) => {
                 let [gx, gy, c] = &around(slopes);
                 wide!(hessian::trace_row(first, gx, gy, c, columns.clone()));
                 slopes.factor
             }
-            Curvature::Made(trace) => {
+            CurvedBy::Made(trace) => {
                 first[columns.clone()].copy_from_slice(&trace.row(y)[columns.clone()]);
                 1.0
             }

@@ -12,7 +12,7 @@ use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
-use crate::light::relight::gpu_lights::{Light, Placed, relighting};
+use crate::light::relight::gpu_lights::{Light, PlacedMap, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::relight::setting::{Albedo, Relighting};
 use crate::light::sum::exponent::Exponent;
@@ -236,7 +236,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         softness: 0.0,
     });
     let [map, second] = light.maps;
-    let placed = |map: Placed| [map.turn, map.intensity.bend, map.intensity.level];
+    let placed = |map: PlacedMap| [map.turn, map.intensity.bend, map.intensity.level];
     LightParams {
         around_count: light.counts.around,
         even_count: light.counts.even,

@@ -3,7 +3,7 @@
 use crate::frame::memory::Memory;
 use crate::frame::{ColorPlanes, Frame};
 use crate::gpu::device::Device;
-use crate::gpu::fault::Fault;
+use crate::gpu::fault::RunFault;
 use crate::kernel::last::Last;
 use crate::light::environment::Environment;
 use crate::light::intensity::Intensity;
@@ -32,7 +32,7 @@ pub(crate) struct Light {
     /// Vectors of the lights, in the order given in `relight.wgsl`.
     pub(crate) lights: wgpu::Buffer,
     pub(crate) texels: wgpu::Buffer,
-    pub(crate) maps: [Placed; 2],
+    pub(crate) maps: [PlacedMap; 2],
     pub(crate) most_tone: f32,
     /// Timings of the preparation.
     pub(crate) timings: Vec<(&'static str, Duration)>,
@@ -49,7 +49,7 @@ pub(crate) struct Counts {
 
 /// The layout of a map whose texels are on the device.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedMap {
     pub(crate) size: [u32; 2],
     /// Rotation, in turns.
     pub(crate) turn: f32,
@@ -79,7 +79,7 @@ impl LightCache {
         frame: &Frame,
         illumination: &Illumination,
         watch: Watch,
-    ) -> Result<Light, Fault> {
+    ) -> Result<Light, RunFault> {
         let relighting = relighting(plan);
         let mut timings = Vec::new();
         let weights = frame.luminance_weights();
@@ -122,9 +122,9 @@ impl LightCache {
         &self,
         device: &Device,
         around: &Illuminants,
-    ) -> Result<(wgpu::Buffer, [Placed; 2]), Fault> {
-        let map = |map: &Map| Placed::of(&map.environment, map.intensity);
-        let nothing = Placed::default();
+    ) -> Result<(wgpu::Buffer, [PlacedMap; 2]), RunFault> {
+        let map = |map: &Map| PlacedMap::of(&map.environment, map.intensity);
+        let nothing = PlacedMap::default();
         let ready = &around.ready;
         let (maps, texels): (_, [&[[f32; 4]]; 2]) = match &ready.used {
             Used::Nothing | Used::Lights(_) | Used::Sampled(_) => {
@@ -133,7 +133,7 @@ impl LightCache {
             Used::LitSpheres(intensity) => {
                 let spheres = around.spheres;
                 let placed = |at: usize| match spheres.get(at) {
-                    Some(sphere) => Placed {
+                    Some(sphere) => PlacedMap {
                         size: sphere.size().map(|n| n as u32),
                         turn: 0.0,
                         intensity: *intensity,
@@ -145,7 +145,7 @@ impl LightCache {
                 return Ok((texels, [placed(0), placed(1)]));
             }
             Used::Lookups(_, environment) => (
-                [Placed::of(environment, Intensity::default()), nothing],
+                [PlacedMap::of(environment, Intensity::default()), nothing],
                 [environment.texels(), &[]],
             ),
             Used::Prefiltered { diffuse, specular } => (
@@ -164,7 +164,7 @@ impl LightCache {
     }
 }
 
-impl Placed {
+impl PlacedMap {
     fn of(environment: &Environment, intensity: Intensity) -> Self {
         Self {
             size: [environment.width(), environment.height()].map(|n| n as u32),
@@ -236,11 +236,11 @@ fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4
 }
 
 /// A separate buffer with these vectors, consecutively.
-fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer, Fault> {
+fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer, RunFault> {
     let count: usize = parts.iter().map(|part| part.len()).sum();
     let bytes = 16 * count.max(1) as u64;
     if bytes > device.plane_bytes {
-        return Err(Fault::TooLarge(device.error(format_args!(
+        return Err(RunFault::TooLarge(device.error(format_args!(
             "takes {} bytes at a time, and what is around the surface has {bytes}",
             device.plane_bytes
         ))));

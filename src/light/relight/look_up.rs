@@ -11,7 +11,7 @@ use crate::light::lit_sphere::LitSphere;
 use crate::light::prepared_environment::Used;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::pilot::Base;
-use crate::light::relight::scene::Scene;
+use crate::light::relight::scene::LitScene;
 use crate::light::relight::traced::add_traced;
 use crate::params::MaterialParams;
 
@@ -32,7 +32,7 @@ pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, 
 
 /// Adds the look-ups of each pixel to the sums.
 #[inline(always)]
-pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
+pub(crate) fn add_lookups(batch: &mut Batch, scene: &LitScene) {
     let gain = scene.around.gain().unwrap_or(1.0);
     if let Some(mirrors) = &scene.mirrors {
         add_traced(batch, scene, mirrors);
@@ -82,7 +82,7 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
 
 /// Adds what surfaces with gloss of their own mirror of the environment.
 #[inline(always)]
-pub(crate) fn add_mirrored(batch: &mut Batch, scene: &Scene) {
+pub(crate) fn add_mirrored(batch: &mut Batch, scene: &LitScene) {
     let Some(map) = &scene.around.ready.gloss else {
         return;
     };
@@ -102,7 +102,7 @@ pub(crate) fn add_mirrored(batch: &mut Batch, scene: &Scene) {
 
 /// Adds the radiance of `map` from the warped `batch.toward`, times `batch.share`, scaled by its own brightness.
 #[inline(always)]
-fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
+fn add_seen(batch: &mut Batch, scene: &LitScene, term: Term, map: &Map) {
     see(batch, scene, term, map);
     let sums = match term {
         Term::Specular => &mut batch.sum.sums.specular,
@@ -118,7 +118,7 @@ fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
 /// Looks up the radiance of `map` from the warped `batch.toward`, and multiplies `batch.share` by the scale of its own
 /// brightness ([RS] section 5.3).
 #[inline(always)]
-fn see(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
+fn see(batch: &mut Batch, scene: &LitScene, term: Term, map: &Map) {
     warp_lookups(batch, scene);
     look_up(
         &mut batch.looked_up,
@@ -141,7 +141,7 @@ fn see(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
 
 /// Adds light refracted through glass, and keeps the reflected share.
 #[inline(always)]
-fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &MaterialParams) {
+fn add_refracted(batch: &mut Batch, scene: &LitScene, map: &Map, material: &MaterialParams) {
     let mut mirrored = [0.0; BATCH];
     let all = batch.share;
     for i in 0..batch.pixels.count {
@@ -159,7 +159,7 @@ fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &Materia
 
 /// Adds the colours of the lit sphere, or of both blended by curvature. They include gains of their own.
 #[inline(always)]
-fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], intensity: Intensity) {
+fn add_spheres(batch: &mut Batch, scene: &LitScene, spheres: &[LitSphere], intensity: Intensity) {
     let own = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
     batch.toward = batch.pixels.normal.vector;
     warp_lookups(batch, scene);
@@ -193,7 +193,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], intensit
 
 /// Warps look-up directions ([LW] equation 1).
 #[inline(always)]
-pub(crate) fn warp_lookups(batch: &mut Batch, scene: &Scene) {
+pub(crate) fn warp_lookups(batch: &mut Batch, scene: &LitScene) {
     if !scene.relighting.warps {
         return;
     }

@@ -29,10 +29,10 @@ use crate::light::prepared_environment::EnvironmentCache;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::albedo_search::AlbedoSearch;
 use crate::light::relight::batch::{Batch, RowShape};
-use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
+use crate::light::relight::curvature::{CurvatureRow, CurvedBy, FlowSlopes};
 use crate::light::relight::grain::without_grain;
 use crate::light::relight::mirrors::Mirrors;
-use crate::light::relight::scene::{Aligned, Scene};
+use crate::light::relight::scene::{Aligned, LitScene};
 use crate::light::relight::setting::{Albedo, Relighting};
 use crate::light::shadows::cast::cast;
 use crate::light::sum::lobes::Lobes;
@@ -113,7 +113,7 @@ pub(crate) fn relight(run: &mut Execution) {
     });
     let tones = relighting.params.tones();
     let most_tone = around.most_tone(illumination, relighting, weights);
-    let mut scene = Scene {
+    let mut scene = LitScene {
         frame,
         relighting,
         curvature: curvature(plan, &shape),
@@ -165,19 +165,19 @@ pub(crate) fn relight(run: &mut Execution) {
 }
 
 /// The source of curvature, if it is needed.
-fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
+fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<CurvedBy<'s>> {
     let slopes = || {
         let shape_is_there = "curvature is planned with its gradient";
-        Slopes {
+        FlowSlopes {
             gradient: shape.gradient.as_ref().expect(shape_is_there),
             conductance: shape.conductance.as_ref().expect(shape_is_there),
             factor: plan.resolution_factor as f32,
         }
     };
     match &shape.trace {
-        _ if plan.wants(Product::Hessian) => Some(Curvature::Hessian(slopes())),
-        Some(trace) => Some(Curvature::Made(trace)),
-        None if plan.wants(Product::Trace) => Some(Curvature::Trace(slopes())),
+        _ if plan.wants(Product::Hessian) => Some(CurvedBy::Hessian(slopes())),
+        Some(trace) => Some(CurvedBy::Made(trace)),
+        None if plan.wants(Product::Trace) => Some(CurvedBy::Trace(slopes())),
         None => None,
     }
 }
@@ -218,7 +218,7 @@ fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
 }
 
 /// The lit picture, in the memory of `normals` that the frame no longer has; where uncovered the frame's own, or black.
-fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorPlanes {
+fn lit(scene: &LitScene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorPlanes {
     let mask = scene.lit;
     let width = mask.width();
     let light = |batch: &mut Batch, rows: &mut [&mut [f32]; 3], first| {
@@ -283,7 +283,7 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
 const ROWS_APART: usize = 4;
 
 /// The gain of turned light that keeps its mean luminance over the surface.
-fn kept_mean(scene: &Scene, normal: &Vector3Planes, memory: &Memory) -> f32 {
+fn kept_mean(scene: &LitScene, normal: &Vector3Planes, memory: &Memory) -> f32 {
     let mask = scene.lit;
     let rows: Vec<usize> = (0..mask.height()).step_by(ROWS_APART).collect();
     let of_rows = rows.par_iter().map_init(
@@ -309,7 +309,7 @@ fn kept_mean(scene: &Scene, normal: &Vector3Planes, memory: &Memory) -> f32 {
 }
 
 /// Fills pixels without a surface from the frame's picture, or with black.
-fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
+fn keep_uncovered(scene: &LitScene, first: usize, rows: &mut [&mut [f32]; 3]) {
     let mask = scene.lit;
     let width = mask.width();
     let planes = scene.frame.color.as_ref();

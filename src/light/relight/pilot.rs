@@ -21,7 +21,7 @@ use crate::light::octahedral::OctahedralMaps;
 use crate::light::relight::samples::FilteredSamples;
 use crate::light::relight::setting::ToError;
 use crate::light::sum::lobes::Lobes;
-use crate::light::sum::{Directed, LightSum, Shading, Sums};
+use crate::light::sum::{Directed, LightSum, LightSums, Shading};
 use crate::params::{Material, MaterialParams};
 use crate::srgb;
 use std::f64::consts::PI;
@@ -51,7 +51,7 @@ const OF_BASE: f32 = 0.75;
 const ALBEDO: f32 = 0.5;
 
 /// What stands for an environment.
-pub(crate) enum Chosen {
+pub(crate) enum StandIn {
     Lights(Vec<DirectionalLight>),
     Sampled(Sampled),
 }
@@ -90,7 +90,7 @@ pub(crate) fn chosen(
     allowed: ToError,
     (gain, weights): (f32, [f32; 3]),
     goes_on: impl Fn() -> bool + Sync,
-) -> (Chosen, LightChoice) {
+) -> (StandIn, LightChoice) {
     let fine = environment.resized(WIDTH);
     let coarse = fine.resized(TRUTH_WIDTH);
     let mut pilot = Pilot::new(&coarse, material, allowed.warp, gain);
@@ -111,7 +111,7 @@ pub(crate) fn chosen(
             samples: 0,
             levels,
         };
-        return (Chosen::Lights(lights), choice);
+        return (StandIn::Lights(lights), choice);
     }
     let base = match allowed.apart {
         true => Base::Lights(base_lights(OF_BASE * allowed.levels).0),
@@ -156,7 +156,7 @@ pub(crate) fn chosen(
         base,
         samples,
     };
-    (Chosen::Sampled(sampled), choice)
+    (StandIn::Sampled(sampled), choice)
 }
 
 /// The first candidate whose error is at most `allowed`, else that of the least; where `goes_on` says no, any.
@@ -204,7 +204,7 @@ struct Pilot {
     shading: Shading,
     material: MaterialParams,
     gain: f32,
-    truth: Sums,
+    truth: LightSums,
     base: [Lanes; 3],
 }
 
@@ -239,8 +239,8 @@ impl Pilot {
             },
             material: *material,
             gain,
-            truth: Sums::NONE,
-            base: Sums::NONE.diffuse,
+            truth: LightSums::NONE,
+            base: LightSums::NONE.diffuse,
         };
         let texels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
         let lights = texels.map(|(x, y)| {
@@ -260,7 +260,7 @@ impl Pilot {
         shading: &Shading,
         lights: &[DirectionalLight],
         samples: Option<&FilteredSamples>,
-    ) -> Sums {
+    ) -> LightSums {
         let lights = Directed::all(lights);
         let (pixels, sum) = (&self.pixels, &mut self.sum);
         wide!(|fma| light_ball(fma, pixels, sum, shading, &lights, samples));
@@ -302,7 +302,7 @@ impl Pilot {
             let shown = diffuse + self.material.specular() * specular;
             255.0 * srgb::encoded(f64::from(at_most_1(positive(shown))))
         };
-        let Sums {
+        let LightSums {
             diffuse: truth,
             specular: glossy,
         } = &self.truth;

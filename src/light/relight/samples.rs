@@ -35,7 +35,7 @@ const SLANTED: f32 = 0.25;
 /// The directions of a lobe, and the environment at every resolution.
 #[derive(Debug)]
 pub(crate) struct FilteredSamples {
-    pattern: Vec<Sample>,
+    pattern: Vec<LobeSample>,
     maps: Arc<OctahedralMaps>,
     /// The intensity of a sample of radiance 1, but for what depends on the pixel.
     intensity: f32,
@@ -43,7 +43,7 @@ pub(crate) struct FilteredSamples {
 
 /// A direction of a lobe: a half vector about the normal, or a direction about the eye mirrored at the normal.
 #[derive(Debug, Clone, Copy)]
-struct Sample {
+struct LobeSample {
     /// By tangents and axis.
     direction: [f32; 3],
     /// Solid angle of a pixel of the map; of half vectors, for h.e = 1.
@@ -53,7 +53,7 @@ struct Sample {
 }
 
 /// A few samples of every pixel: the direction of the last of them, and the shares and texels of all.
-struct Scratch {
+struct SampleScratch {
     toward: Vectors,
     /// h . e.
     slant: Lanes,
@@ -80,9 +80,9 @@ impl FilteredSamples {
             lobe(exponents, share, (i as f64 * TURN).fract())
         };
         let sample = |i: usize| {
-            let Lobe { direction, density } = lobe_of(i);
+            let LobeDirection { direction, density } = lobe_of(i);
             let [_, _, z] = direction;
-            Sample {
+            LobeSample {
                 direction,
                 solid_angle: (solid_angle(material, density) / count as f64) as f32,
                 seen: match material.material {
@@ -125,7 +125,7 @@ impl FilteredSamples {
         shading: &Shading,
         horizons: Option<&HorizonLanes>,
     ) {
-        let mut scratch = Scratch::NONE;
+        let mut scratch = SampleScratch::NONE;
         if shading.warped {
             scratch.find_warp(pixels);
         }
@@ -186,7 +186,7 @@ fn add(sum: Texel, texel: Texel, share: f32) -> Texel {
     ]
 }
 
-impl Scratch {
+impl SampleScratch {
     const NONE: Self = Self {
         toward: [[0.0; BATCH]; 3],
         slant: [0.0; BATCH],
@@ -214,7 +214,7 @@ impl Scratch {
 
     /// Directions, cosines and solid angles of a sample.
     #[inline(always)]
-    fn aim<const IS_HALF: bool>(&mut self, sample: &Sample, pixels: &Pixels) {
+    fn aim<const IS_HALF: bool>(&mut self, sample: &LobeSample, pixels: &Pixels) {
         let [toward_x, toward_y, toward_z] = &mut self.toward;
         let [x, y, z] = sample.direction;
         for i in 0..BATCH {
@@ -309,14 +309,14 @@ fn solid_angle(material: &MaterialParams, density: f64) -> f64 {
 }
 
 /// A direction of a lobe, and its density by solid angle.
-struct Lobe {
+struct LobeDirection {
     direction: [f32; 3],
     density: f64,
 }
 
 /// The direction of the lobe `cos^(nu cos^2 + nv sin^2)` that is `share` of its energy from the axis, at `turn` of a turn
 /// (Ashikhmin and Shirley, equations 6, 9 and 10).
-fn lobe([nu, nv]: [f64; 2], share: f64, turn: f64) -> Lobe {
+fn lobe([nu, nv]: [f64; 2], share: f64, turn: f64) -> LobeDirection {
     // A quarter of a turn, stretched along the smaller exponent, in each quarter of the azimuth.
     let (quarter, within) = ((4.0 * turn).floor(), (4.0 * turn).fract());
     let stretch = ((nu + 1.0) / (nv + 1.0)).sqrt();
@@ -328,7 +328,7 @@ fn lobe([nu, nv]: [f64; 2], share: f64, turn: f64) -> Lobe {
     let exponent = nu * cos * cos + nv * sin * sin;
     let z = (1.0 - share).powf(1.0 / (exponent + 1.0));
     let across = (1.0 - z * z).max(0.0).sqrt();
-    Lobe {
+    LobeDirection {
         direction: [across * cos, across * sin, z].map(|c| c as f32),
         density: ((nu + 1.0) * (nv + 1.0)).sqrt() / TAU * z.powf(exponent),
     }

@@ -4,20 +4,20 @@ use crate::frame::{ColorPlanes, Frame, Gloss, Mask, Plane, SightLines, Vector2Pl
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
-use crate::light::relight::curvature::Curvature;
+use crate::light::relight::curvature::CurvedBy;
 use crate::light::relight::mirrors::Mirrors;
 use crate::light::relight::setting::Relighting;
-use crate::light::shadows::cast::Shadows;
+use crate::light::shadows::cast::CastShadows;
 use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use std::borrow::Cow;
 
 /// State shared by all batches.
-pub(crate) struct Scene<'a> {
+pub(crate) struct LitScene<'a> {
     pub(super) frame: &'a Frame,
     pub(super) relighting: &'a Relighting,
     /// Curvature, if needed.
-    pub(super) curvature: Option<Curvature<'a>>,
+    pub(super) curvature: Option<CurvedBy<'a>>,
     /// Grain direction in the picture, if it follows the curvature.
     pub(super) grain: Option<&'a Vector2Planes>,
     /// The planes that the albedo is, or is estimated from; `None` for white.
@@ -40,7 +40,7 @@ pub(crate) struct Scene<'a> {
     pub(super) is_glossy: bool,
     pub(super) lights: Vec<Directed>,
     /// Lamps that cast shadows; those far away are in place of these lights.
-    pub(super) shadows: Shadows,
+    pub(super) shadows: CastShadows,
     /// The lights that stand for the environment.
     pub(super) around_lights: Vec<Directed>,
     /// Those that stand for its diffuse light alone.
@@ -73,7 +73,7 @@ pub(crate) struct Aligned {
     pub(super) gain: f32,
 }
 
-impl Scene<'_> {
+impl LitScene<'_> {
     pub(super) fn params(&self) -> &RelightParams {
         &self.relighting.params
     }

@@ -9,13 +9,13 @@ use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::{Batch, GlossLanes};
-use crate::light::relight::curvature::Curvature;
+use crate::light::relight::curvature::CurvedBy;
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
-use crate::light::relight::scene::{Aligned, Scene};
+use crate::light::relight::scene::{Aligned, LitScene};
 use crate::light::relight::setting::Albedo;
 use crate::light::shadows::cast::Shadowed;
 use crate::light::sum::lobes::Lobes;
-use crate::light::sum::{Directed, Shading, Sums};
+use crate::light::sum::{Directed, LightSums, Shading};
 use crate::light::tones::tone_factor;
 use crate::params::{Magnitude, Tangent};
 use crate::shape::coarse_normals::normal_at;
@@ -29,7 +29,7 @@ const WORTH_A_BOX: usize = 4;
 
 /// Lights the pixels of a batch.
 #[inline(always)]
-pub(crate) fn light_batch(fma: bool, batch: &mut Batch, scene: &Scene) {
+pub(crate) fn light_batch(fma: bool, batch: &mut Batch, scene: &LitScene) {
     prepare(batch, scene);
     batch.sum.clear();
     add_lights(fma, batch, scene);
@@ -38,7 +38,7 @@ pub(crate) fn light_batch(fma: bool, batch: &mut Batch, scene: &Scene) {
 
 /// Prepares the light-independent state of the pixels.
 #[inline(always)]
-fn prepare(batch: &mut Batch, scene: &Scene) {
+fn prepare(batch: &mut Batch, scene: &LitScene) {
     let relighting = scene.relighting;
     if scene.eye.is_some() {
         normalise_eyes(batch);
@@ -132,14 +132,14 @@ fn find_details(batch: &mut Batch) {
 
 /// Mapped curvature.
 #[inline(always)]
-fn find_kappa(batch: &mut Batch, scene: &Scene) {
+fn find_kappa(batch: &mut Batch, scene: &LitScene) {
     let Batch {
         pixels,
         trace,
         kappa,
         ..
     } = batch;
-    if matches!(scene.curvature, Some(Curvature::Hessian(_))) {
+    if matches!(scene.curvature, Some(CurvedBy::Hessian(_))) {
         let [xx, _, yy] = &pixels.hessian;
         for i in 0..BATCH {
             trace[i] = xx[i] + yy[i];
@@ -152,7 +152,7 @@ fn find_kappa(batch: &mut Batch, scene: &Scene) {
 
 /// The scaling curve of every active term; terms of equal magnitude share one.
 #[inline(always)]
-fn set_curves(batch: &mut Batch, scene: &Scene) {
+fn set_curves(batch: &mut Batch, scene: &LitScene) {
     find_kappa(batch, scene);
     let magnitudes = scene.magnitudes;
     let terms = [
@@ -221,9 +221,9 @@ fn normalise_eyes(batch: &mut Batch) {
 
 /// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
-fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
+fn add_lights(fma: bool, batch: &mut Batch, scene: &LitScene) {
     if scene.relighting.gloss {
-        batch.gloss.sums = Sums::NONE;
+        batch.gloss.sums = LightSums::NONE;
     }
     if let Some(shading) = &scene.mirror_shading {
         add_lamps(fma, batch, scene, shading);
@@ -240,7 +240,7 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     let sampled = scene.around.sampled();
     add_around(fma, batch, scene, shading, &scene.around_lights);
     if sampled.is_some() {
-        batch.sum.sums.diffuse = Sums::NONE.diffuse;
+        batch.sum.sums.diffuse = LightSums::NONE.diffuse;
         add_around(fma, batch, scene, &shading.diffuse(), &scene.base_lights);
     }
     if let Some((environment, share)) = scene.around.looked_up() {
@@ -269,7 +269,7 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
 
 /// Adds highlights of an environment that samples stand for, less what horizons hide of them.
 #[inline(always)]
-fn add_samples(batch: &mut Batch, scene: &Scene, shading: &Shading) {
+fn add_samples(batch: &mut Batch, scene: &LitScene, shading: &Shading) {
     if let Some(sampled) = scene.around.sampled() {
         let hiding = scene.shadows.horizons.as_ref().map(|_| &batch.horizons);
         sampled
@@ -280,7 +280,13 @@ fn add_samples(batch: &mut Batch, scene: &Scene, shading: &Shading) {
 
 /// Adds lights that stand for an environment, less what horizons hide of each.
 #[inline(always)]
-fn add_around(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, lights: &[Directed]) {
+fn add_around(
+    fma: bool,
+    batch: &mut Batch,
+    scene: &LitScene,
+    shading: &Shading,
+    lights: &[Directed],
+) {
     if scene.shadows.horizons.is_none() {
         batch.sum.add_directed(fma, &batch.pixels, shading, lights);
         return;
@@ -294,7 +300,7 @@ fn add_around(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, li
 
 /// Takes what a layer of occlusion hides off the diffuse light added so far, unless horizons have.
 #[inline(always)]
-fn dim(batch: &mut Batch, scene: &Scene) {
+fn dim(batch: &mut Batch, scene: &LitScene) {
     if scene.occlusion.is_some() && scene.shadows.horizons.is_none() {
         batch.sum.dim(&batch.occlusion);
     }
@@ -302,13 +308,19 @@ fn dim(batch: &mut Batch, scene: &Scene) {
 
 /// The sum over single lights, where each is turned to the form; highlights are those of the lights as given.
 #[inline(always)]
-fn add_turned(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, aligned: &Aligned) {
+fn add_turned(
+    fma: bool,
+    batch: &mut Batch,
+    scene: &LitScene,
+    shading: &Shading,
+    aligned: &Aligned,
+) {
     let sampled = scene.around.sampled();
     if shading.lobes.are_glossy() {
         add_around(fma, batch, scene, shading, &scene.around_lights);
         add_lamps(fma, batch, scene, shading);
         add_samples(batch, scene, shading);
-        batch.sum.sums.diffuse = Sums::NONE.diffuse;
+        batch.sum.sums.diffuse = LightSums::NONE.diffuse;
     }
     let around = match sampled {
         Some(_) => &scene.base_lights,
@@ -347,7 +359,7 @@ fn turn_and_add(batch: &mut Batch, diffuse: &Shading, aligned: &Aligned, intensi
 
 /// The luminance of a batch's diffuse light by single lights: as it is, and turned to the form.
 #[inline(always)]
-pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &Scene) -> [f64; 2] {
+pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &LitScene) -> [f64; 2] {
     let (Some(shading), Some(aligned)) = (&scene.shading, &scene.aligned) else {
         return [0.0; 2];
     };
@@ -372,7 +384,7 @@ pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &Scene) -> [f6
 
 /// Adds lights far away and near, and completes the sum.
 #[inline(always)]
-fn add_lamps(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading) {
+fn add_lamps(fma: bool, batch: &mut Batch, scene: &LitScene, shading: &Shading) {
     let one_by_one = match scene.turns {
         Some(_) => scene.lights.as_slice(),
         None => {
@@ -392,7 +404,7 @@ fn add_lamps(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading) {
 #[inline(always)]
 fn each_lamp(
     batch: &mut Batch,
-    scene: &Scene,
+    scene: &LitScene,
     lights: &[Directed],
     mut add: impl FnMut(&mut Batch, [f32; 3]),
 ) {
@@ -451,7 +463,7 @@ fn approach(batch: &mut Batch, position: [f32; 3]) {
 #[inline(always)]
 fn look_even_up(
     batch: &mut Batch,
-    scene: &Scene,
+    scene: &LitScene,
     environment: &Environment,
     direction: [f32; 3],
     share: f32,
@@ -483,7 +495,7 @@ fn look_even_up(
 
 /// Combines the terms: gains, contrast, tones, coverage.
 #[inline(always)]
-fn compose(batch: &mut Batch, scene: &Scene) {
+fn compose(batch: &mut Batch, scene: &LitScene) {
     let material = &scene.params().material;
     let (kd, ks) = (material.diffuse_gain, material.specular());
     if scene.mirrors.is_some() || scene.around.has_lookups() {
@@ -568,7 +580,7 @@ fn part_highlights(batch: &mut Batch) {
 
 /// Adds new light that surfaces mirror by their own gloss. At grazing angles all of it is mirrored, unless there is no gloss.
 #[inline(always)]
-fn add_gloss(batch: &mut Batch, scene: &Scene, gain: f32) {
+fn add_gloss(batch: &mut Batch, scene: &LitScene, gain: f32) {
     add_mirrored(batch, scene);
     let GlossLanes {
         sums, reflectance, ..
@@ -588,7 +600,7 @@ fn add_gloss(batch: &mut Batch, scene: &Scene, gain: f32) {
 
 /// Contrast by curvature ([LW] equation 3), for diffuse and specular light.
 #[inline(always)]
-fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
+fn enhance_contrast(batch: &mut Batch, scene: &LitScene) {
     let gamma = scene.params().warping.contrast;
     let [xx, xy, yy] = &batch.pixels.unwarp;
     for i in 0..BATCH {
@@ -609,7 +621,7 @@ fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
 
 /// Quantises the colours so far, if a number of tones is given.
 #[inline(always)]
-fn quantize_tones(batch: &mut Batch, scene: &Scene) {
+fn quantize_tones(batch: &mut Batch, scene: &LitScene) {
     let Some((tones, most)) = scene.tones else {
         return;
     };

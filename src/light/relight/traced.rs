@@ -6,10 +6,10 @@ use crate::light::batch::{BATCH, Term};
 use crate::light::light_warping::Warp;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::mirrors::{BentSight, Mirrors};
-use crate::light::relight::scene::Scene;
+use crate::light::relight::scene::LitScene;
 
 /// Adds the light that the pixels of a batch mirror and refract.
-pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
+pub(crate) fn add_traced(batch: &mut Batch, scene: &LitScene, mirrors: &Mirrors) {
     let material = scene.params().material;
     let curves = scene
         .relighting

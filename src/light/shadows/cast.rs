@@ -2,7 +2,7 @@
 
 use super::casting::{Caster, Casting};
 use super::horizons::{Horizons, LOWEST};
-use super::march::{Place, Relief};
+use super::march::{LampPlace, Relief};
 use super::{Lamp, longest_px, shares};
 use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane, SightLines, Vector3Planes, Window};
@@ -15,7 +15,7 @@ use std::borrow::Cow;
 
 /// What arrives of the light of lamps, of [`WHOLE`].
 #[derive(Default)]
-pub(crate) struct Shadows {
+pub(crate) struct CastShadows {
     /// Of lamps far away.
     pub(crate) far: Vec<Shadowed>,
     /// Of lamps near the surface, in their order.
@@ -35,18 +35,18 @@ pub(crate) struct Shadowed {
 pub(crate) const WHOLE: f32 = 65_535.0;
 
 /// What arrives on surfaces with these normals of the light that casts shadows, if any does.
-pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<Shadows> {
+pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<CastShadows> {
     let relighting = run.plan.relighting()?;
     let (casting, params) = (&relighting.casting, &relighting.params);
     let illumination = run.illumination().filter(|_| casting.any())?;
     let own = run.made.outcome.shape.height.take();
     let shadows = run.timed("shadows", || {
-        let surface = Surface::new(run.frame, run.plan, own.as_ref());
+        let surface = CastingSurface::new(run.frame, run.plan, own.as_ref());
         let lamps = match casting.lamps.is_cast {
             true => surface.shadows_of_lamps(illumination, params, normal, run.memory),
-            false => Shadows::default(),
+            false => CastShadows::default(),
         };
-        Shadows {
+        CastShadows {
             horizons: casting.sky.is_cast.then(|| surface.horizons()),
             ..lamps
         }
@@ -56,7 +56,7 @@ pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<Shadow
 }
 
 /// A surface that casts shadows.
-struct Surface<'a> {
+struct CastingSurface<'a> {
     frame: &'a Frame,
     plan: &'a Plan,
     by: Caster,
@@ -66,7 +66,7 @@ struct Surface<'a> {
     pixel_shape: f32,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> CastingSurface<'a> {
     /// Of a frame; `height` is what its normals tell.
     fn new(frame: &'a Frame, plan: &'a Plan, height: Option<&Plane>) -> Self {
         let relighting = plan.relighting().expect("shadows are of new light");
@@ -91,7 +91,7 @@ impl<'a> Surface<'a> {
         params: &RelightParams,
         normal: &Vector3Planes,
         memory: &Memory,
-    ) -> Shadows {
+    ) -> CastShadows {
         let fill = params.shadow_fill;
         let arrives = |seen: f32| (WHOLE * (fill + (1.0 - fill) * seen)).round() as u16;
         // Light that is turned to the form also comes to what faces away from the lamp.
@@ -101,7 +101,9 @@ impl<'a> Surface<'a> {
         let relief = is_marched.then(|| Relief::new(self.frame, params.thickness));
         let far = lamps(illumination, params).map(|(light, lamp)| {
             let seen = match (self.by, &relief) {
-                (Caster::Depth, Some(relief)) => relief.shares(&Place::Far(lamp), facing, memory),
+                (Caster::Depth, Some(relief)) => {
+                    relief.shares(&LampPlace::Far(lamp), facing, memory)
+                }
                 _ => {
                     let around = self.around(lamp.elevation.tan() as f32);
                     around.cut(shares(&around.height, &lamp, self.pixel_shape, memory))
@@ -115,11 +117,11 @@ impl<'a> Surface<'a> {
         let radius = 0.5 * f64::from(params.light_size).to_radians();
         let near = relief.iter().flat_map(|relief| {
             illumination.points.iter().map(move |point| {
-                let place = Place::Near(point.position.as_dvec3(), radius);
+                let place = LampPlace::Near(point.position.as_dvec3(), radius);
                 relief.shares(&place, facing, memory).map(arrives)
             })
         });
-        Shadows {
+        CastShadows {
             far: far.collect(),
             near: near.collect(),
             horizons: None,
@@ -134,10 +136,10 @@ impl<'a> Surface<'a> {
 
     /// The heights; those that repeat a tile as the tile, with as much of its repetition as shadows are long in light of this
     /// slope, but no more than once to every side.
-    fn around(&self, slope: f32) -> Around<'_> {
+    fn around(&self, slope: f32) -> SweptHeights<'_> {
         let height = self.height.as_ref().expect("sweeps have it");
         let Some(tile) = self.plan.tile else {
-            return Around {
+            return SweptHeights {
                 height: Cow::Borrowed(height),
                 windows: None,
             };
@@ -146,7 +148,7 @@ impl<'a> Surface<'a> {
         let own = height.crop(whole, window);
         let most = window.width().max(window.height());
         let grown = tile.grown(longest_px(&own, slope).min(most as f32).ceil() as usize);
-        Around {
+        SweptHeights {
             height: Cow::Owned(own.repeated(window, grown)),
             windows: Some([grown, window, whole]),
         }
@@ -154,13 +156,13 @@ impl<'a> Surface<'a> {
 }
 
 /// Heights to be swept.
-struct Around<'a> {
+struct SweptHeights<'a> {
     height: Cow<'a, Plane>,
     /// Those of a tile with some of its repetition, of the tile, and of the frame that repeats it.
     windows: Option<[Window; 3]>,
 }
 
-impl Around<'_> {
+impl SweptHeights<'_> {
     /// What was found over these heights, over the frame.
     fn cut<T: Copy>(&self, found: Plane<T>) -> Plane<T> {
         match self.windows {

@@ -39,7 +39,7 @@ const NARROWEST: f64 = 2e-4;
 
 /// Where a lamp is.
 #[derive(Clone, Copy)]
-pub(super) enum Place {
+pub(super) enum LampPlace {
     /// Far away.
     Far(Lamp),
     /// At a point, as wide as so many radians from its middle.
@@ -93,7 +93,7 @@ impl<'f> Relief<'f> {
     /// for.
     pub(super) fn shares(
         &self,
-        place: &Place,
+        place: &LampPlace,
         normal: Option<&Vector3Planes>,
         memory: &Memory,
     ) -> Plane {
@@ -112,11 +112,11 @@ impl<'f> Relief<'f> {
     }
 
     /// The share of a lamp seen from a pixel.
-    fn share(&self, at: [usize; 2], place: &Place, normal: Option<DVec3>) -> f32 {
+    fn share(&self, at: [usize; 2], place: &LampPlace, normal: Option<DVec3>) -> f32 {
         let [point, to_eye] = self.seen(at);
         let (to_light, radius, distance) = match *place {
-            Place::Far(lamp) => (lamp.direction(), lamp.radius, f64::INFINITY),
-            Place::Near(position, radius) => {
+            LampPlace::Far(lamp) => (lamp.direction(), lamp.radius, f64::INFINITY),
+            LampPlace::Near(position, radius) => {
                 let to = position - point;
                 (to.normalize_or(DVec3::Z), radius, to.length())
             }

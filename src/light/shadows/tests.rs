@@ -1,5 +1,5 @@
 use super::horizons::{AZIMUTHS, Horizons};
-use super::march::{Place, Relief};
+use super::march::{LampPlace, Relief};
 use super::*;
 use crate::frame::{Frame, Mask, Vector3Planes};
 use crate::light::batch::BATCH;
@@ -211,7 +211,7 @@ fn light_passes_behind_a_slab_as_thick_as_it_is_said_to_be() {
     let near = DVec3::new(-1e6, -1.5, 1e6);
     for (thickness, from) in [(10.0, 10), (1e6, 1)] {
         let relief = Relief::new(&frame, Adaptive::Fixed(thickness));
-        for place in [Place::Far(lamp), Place::Near(near, 0.0)] {
+        for place in [LampPlace::Far(lamp), LampPlace::Near(near, 0.0)] {
             let shares = relief.shares(&place, Some(&normal), &Memory::default());
             // Pixels that face away are not asked for, unless light is turned to them.
             let all = relief.shares(&place, None, &Memory::default());

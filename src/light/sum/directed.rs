@@ -6,7 +6,7 @@
 use super::exponent::Exponent;
 use super::lobes::{Lobes, Shading};
 use super::terms::{HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe};
-use super::{GROUP, Sums};
+use super::{GROUP, LightSums};
 use crate::kernel::lanes::multiply_add;
 use crate::light::batch::{BATCH, Pixels};
 use crate::light::cosines::{positive, scalar_product};
@@ -96,7 +96,7 @@ impl GroupLobes {
     pub(super) fn add(
         self,
         fma: bool,
-        sums: &mut Sums,
+        sums: &mut LightSums,
         terms: &mut [Terms; GROUP],
         pixels: &Pixels,
         (lights, everywhere): (&[Directed; GROUP], bool),
@@ -149,7 +149,7 @@ impl GroupLobes {
     fn sum<const GLOSSY: bool>(
         self,
         fma: bool,
-        sums: &mut Sums,
+        sums: &mut LightSums,
         terms: &[Terms; GROUP],
         lights: &[Directed; GROUP],
     ) {

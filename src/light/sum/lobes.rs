@@ -2,7 +2,7 @@
 
 use super::exponent::Exponent;
 use super::scaled::Scaled;
-use super::terms::{Arriving, Scratch, Terms};
+use super::terms::{Arriving, TermInputs, Terms};
 use crate::light::batch::{BATCH, Lanes, Pixels};
 use crate::light::brdf::{AshikhminShirley, BASE_SCALE, GRAZING, passed};
 use crate::light::cosines::{at_most_1, positive, scalar_product};
@@ -181,7 +181,7 @@ impl Lobes {
     }
 }
 
-impl Scratch {
+impl TermInputs {
     /// Computes the diffuse and specular terms of a light.
     #[inline(always)]
     pub(super) fn reflect<D, H, S>(

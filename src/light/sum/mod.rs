@@ -22,7 +22,7 @@ pub(crate) use scaled::{Scaled, TowardLight};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;
-use terms::{Arriving, Scratch, Terms};
+use terms::{Arriving, TermInputs, Terms};
 
 /// Lights whose terms are buffered and added together, so that the sums are read and written once for all.
 const GROUP: usize = 4;
@@ -33,7 +33,7 @@ const AT_ONCE: usize = 64;
 /// Light reflected from a batch.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
-pub(crate) struct Sums {
+pub(crate) struct LightSums {
     /// Red, green and blue of diffusely reflected light, of albedo 1.
     pub diffuse: [Lanes; 3],
     /// Red, green and blue of specularly reflected light.
@@ -44,15 +44,15 @@ pub(crate) struct Sums {
 #[derive(Debug, Clone)]
 pub(crate) struct LightSum {
     /// The light added so far; complete after [`LightSum::finish`].
-    pub sums: Sums,
+    pub sums: LightSums,
     group: [Directed; GROUP],
     terms: [Terms; GROUP],
-    scratch: Scratch,
+    scratch: TermInputs,
 }
 
 const ZERO: Lanes = [0.0; BATCH];
 
-impl Sums {
+impl LightSums {
     /// No light.
     pub(crate) const NONE: Self = Self {
         diffuse: [ZERO; 3],
@@ -91,16 +91,16 @@ impl LightSum {
     /// Sums of no light.
     pub(crate) fn new() -> Self {
         Self {
-            sums: Sums::NONE,
+            sums: LightSums::NONE,
             group: [Directed::none(); GROUP],
             terms: [Terms::NONE; GROUP],
-            scratch: Scratch::NONE,
+            scratch: TermInputs::NONE,
         }
     }
 
     /// Resets the sums.
     pub(crate) fn clear(&mut self) {
-        self.sums = Sums::NONE;
+        self.sums = LightSums::NONE;
     }
 
     /// Adds lights of one direction each.
@@ -238,7 +238,7 @@ impl LightSum {
     #[inline(always)]
     pub(crate) fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
         if shading.warped {
-            let Sums { diffuse, specular } = &mut self.sums;
+            let LightSums { diffuse, specular } = &mut self.sums;
             for sum in diffuse.iter_mut().chain(specular) {
                 for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
                     *sum *= spread;

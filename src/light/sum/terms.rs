@@ -26,7 +26,7 @@ pub(super) struct Terms {
 /// Inputs of the terms of one light.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
-pub(super) struct Scratch {
+pub(super) struct TermInputs {
     /// Jacobian (without the pixel's factor) and attenuation; 0 if the light is below the surface.
     pub(super) weight: Lanes,
     /// n . l, undefined where the weight is 0.
@@ -207,7 +207,7 @@ fn each_below<D, H, S>(
     }
 }
 
-impl Scratch {
+impl TermInputs {
     pub(super) const NONE: Self = Self {
         weight: ZERO,
         cosine: ZERO,
@@ -239,7 +239,7 @@ impl Scratch {
         }
     }
 
-    /// [`Scratch::arrive`] with light directions unwarped, and their Jacobian; with the lobe for an eye on the axis.
+    /// [`TermInputs::arrive`] with light directions unwarped, and their Jacobian; with the lobe for an eye on the axis.
     #[inline(always)]
     pub(super) fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
     where

@@ -11,7 +11,7 @@ use crate::kernel::last::Last;
 use crate::kernel::timings::add_timings;
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::drawing::{Tone, finish};
-use crate::line::hatching::gpu_texture::Texture;
+use crate::line::hatching::gpu_texture::DeviceTexture;
 use crate::line::hatching::{CROSSED_FROM, Hatching};
 use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, TonalArtMap};
@@ -106,14 +106,18 @@ pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams>(
 
 /// A texture on the device, and its transform at every level.
 pub(crate) struct Strokes {
-    texture: Texture,
+    texture: DeviceTexture,
     /// For each family.
     turned: [Vec<[f32; 4]>; 2],
 }
 
 impl Strokes {
     /// Strokes of `texture`, which is a copy of `map`.
-    pub(crate) fn new(map: &TonalArtMap, texture: Texture, params: &params::StrokeParams) -> Self {
+    pub(crate) fn new(
+        map: &TonalArtMap,
+        texture: DeviceTexture,
+        params: &params::StrokeParams,
+    ) -> Self {
         let turned = |family| Hatching::new(map, params, family).turned().collect();
         Self {
             texture,
@@ -135,15 +139,17 @@ pub(crate) fn hatch(run: &mut Recording) -> Result<()> {
     let strokes = &params.strokes;
     let strokes = match &run.host.canvas().art_map {
         Some(map) => {
-            let copied = run.lent.get::<Last<TonalArtMap, Texture>>();
+            let copied = run.lent.get::<Last<TonalArtMap, DeviceTexture>>();
             let copied = copied.expect("a runner lends it");
-            let copied = copied.of(map, || Ok::<_, Error>(Texture::new(map, run.upload())))?;
+            let copied = copied.of(map, || {
+                Ok::<_, Error>(DeviceTexture::new(map, run.upload()))
+            })?;
             Strokes::new(map, copied, strokes)
         }
         None => {
             let map = run.host.given_art_map();
             let map = map.expect("strokes of pictures come with them");
-            Strokes::new(map, Texture::new(map, run.upload()), strokes)
+            Strokes::new(map, DeviceTexture::new(map, run.upload()), strokes)
         }
     };
     let canvas = std::mem::take(run.host.canvas_mut());
@@ -230,7 +236,7 @@ impl Recording<'_> {
 fn stroke_params(
     params: &params::StrokeParams,
     frame: &Frame,
-    texture: &Texture,
+    texture: &DeviceTexture,
     origin: [f32; 2],
     [family, families]: [usize; 2],
 ) -> StrokeParams {

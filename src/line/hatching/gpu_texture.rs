@@ -1,11 +1,11 @@
 //! Textures of strokes on a device.
 
 use crate::gpu::surface::Upload;
-use crate::line::tonal_art_map::{Texels, TonalArtMap};
+use crate::line::tonal_art_map::{MapTexels, TonalArtMap};
 
 /// A texture of strokes on the device.
 #[derive(Debug, Clone)]
-pub(crate) struct Texture {
+pub(crate) struct DeviceTexture {
     pub(super) texels: wgpu::Buffer,
     pub(super) thresholds: wgpu::Buffer,
     pub(super) size: [u32; 2],
@@ -13,13 +13,13 @@ pub(crate) struct Texture {
     pub(super) slices: u32,
 }
 
-impl Texture {
+impl DeviceTexture {
     /// A copy of `map` on the device.
     pub(crate) fn new(map: &TonalArtMap, upload: Upload) -> Self {
         let size = map.period();
         let (texels, slices) = match map.texels() {
-            Texels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
-            Texels::Slices(samples) => {
+            MapTexels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
+            MapTexels::Slices(samples) => {
                 let slices = samples.len() / (size[0] * size[1]);
                 (upload.bytes(bytemuck::cast_slice(&samples)), slices as u32)
             }

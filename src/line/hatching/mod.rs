@@ -42,12 +42,12 @@ pub struct Pixels {
     pub density: [f32; BATCH],
     /// Share of the paper left white, 0..1.
     pub white: [f32; BATCH],
-    scratch: Scratch,
+    scratch: LevelScratch,
 }
 
 /// Scratch memory of one level.
 #[derive(Debug)]
-struct Scratch {
+struct LevelScratch {
     /// The two levels next to each angle, and their tent weights.
     level: [[u32; BATCH]; 2],
     weight: [[f32; BATCH]; 2],
@@ -59,7 +59,7 @@ struct Scratch {
     places: Places,
 }
 
-impl Default for Scratch {
+impl Default for LevelScratch {
     fn default() -> Self {
         Self {
             level: [[0; BATCH]; 2],
@@ -81,7 +81,7 @@ impl Default for Pixels {
             wanted: [0.0; BATCH],
             density: [0.0; BATCH],
             white: [1.0; BATCH],
-            scratch: Scratch::default(),
+            scratch: LevelScratch::default(),
         }
     }
 }
@@ -193,7 +193,7 @@ impl<'a> Hatching<'a> {
                     continue;
                 }
                 scratch.turn(side, of_set, place, count);
-                let Scratch {
+                let LevelScratch {
                     places, threshold, ..
                 } = scratch;
                 self.map.cover(&mut white[..count], places, threshold);
@@ -206,7 +206,7 @@ impl<'a> Hatching<'a> {
 
     /// The thresholds that give weighted shares of densities, on one side of each angle; whether any gives ink.
     #[inline(always)]
-    fn thresholds(&self, scratch: &mut Scratch, side: usize, density: &[f32]) -> bool {
+    fn thresholds(&self, scratch: &mut LevelScratch, side: usize, density: &[f32]) -> bool {
         let (weight, entry, threshold) = (
             &scratch.weight[side],
             &mut scratch.entry,
@@ -230,7 +230,7 @@ impl<'a> Hatching<'a> {
 /// On texels lines are darker than on average, midway lighter; at a quarter neither.
 const BETWEEN: f32 = 0.75;
 
-impl Scratch {
+impl LevelScratch {
     /// Finds the places at the levels on one side of each angle. [LA] equation 8, for angles counterclockwise: along the
     /// angle only the first coordinate grows.
     #[inline(always)]

@@ -11,9 +11,9 @@ pub(crate) const LANES: usize = 32;
 #[derive(Default)]
 #[cfg_attr(test, derive(Debug, PartialEq))]
 pub(crate) struct Bundle {
-    pub(crate) here: Pixels,
+    pub(crate) here: BundlePixels,
     /// Left, right, below and above.
-    pub(crate) beside: [Pixels; 4],
+    pub(crate) beside: [BundlePixels; 4],
     /// Distance along x and along y, in pixels.
     pub(crate) steps_px: [[f32; LANES]; 2],
 }
@@ -21,7 +21,7 @@ pub(crate) struct Bundle {
 /// What pixels show.
 #[derive(Default)]
 #[cfg_attr(test, derive(Debug, PartialEq))]
-pub(crate) struct Pixels {
+pub(crate) struct BundlePixels {
     pub(crate) normal: [[f32; LANES]; 3],
     /// Where points are taken from depth.
     pub(crate) depth: [f32; LANES],
@@ -53,17 +53,17 @@ pub(crate) struct PointSource {
 }
 
 /// A pixel of a bundle.
-struct Seen {
+struct BundlePixel {
     normal: DVec3,
     depth: f64,
     line: (DVec3, DVec3),
 }
 
-impl Pixels {
+impl BundlePixels {
     #[inline(always)]
-    fn at<const IS_PERSPECTIVE: bool>(&self, lane: usize) -> Seen {
+    fn at<const IS_PERSPECTIVE: bool>(&self, lane: usize) -> BundlePixel {
         let [x, y, z] = &self.normal;
-        Seen {
+        BundlePixel {
             normal: DVec3::new(x[lane].into(), y[lane].into(), z[lane].into()),
             depth: self.depth[lane].into(),
             line: line_of(IS_PERSPECTIVE, self.across[lane], self.up[lane]),
@@ -75,8 +75,8 @@ impl Pixels {
     fn ray<const IS_PERSPECTIVE: bool>(
         &self,
         lane: usize,
-        here: &Seen,
-        step: impl Fn(&Seen, &Seen) -> (bool, DVec3),
+        here: &BundlePixel,
+        step: impl Fn(&BundlePixel, &BundlePixel) -> (bool, DVec3),
     ) -> NormalRay {
         let there = self.at::<IS_PERSPECTIVE>(lane);
         let (is_seen, offset) = step(here, &there);
@@ -118,7 +118,7 @@ pub(crate) fn larger_curvature_directions(
 }
 
 #[inline(always)]
-fn by_depth(here: &Seen, there: &Seen, kind: DepthKind) -> (bool, DVec3) {
+fn by_depth(here: &BundlePixel, there: &BundlePixel, kind: DepthKind) -> (bool, DVec3) {
     let point = point_on(there.line, there.depth, kind);
     (true, point - point_on(here.line, here.depth, kind))
 }
@@ -129,7 +129,7 @@ fn directions_by<const IS_PERSPECTIVE: bool>(
     out: &mut Directions,
     bundle: &Bundle,
     source: &PointSource,
-    step: impl Fn(&Seen, &Seen) -> (bool, DVec3),
+    step: impl Fn(&BundlePixel, &BundlePixel) -> (bool, DVec3),
 ) {
     for lane in 0..LANES {
         let here = bundle.here.at::<IS_PERSPECTIVE>(lane);

@@ -8,7 +8,7 @@ use crate::line::direction::fill::fill;
 use crate::line::direction::fixed_direction;
 use crate::line::normal_rays::LocalShape;
 use crate::line::normal_rays::bundle;
-use crate::line::normal_rays::bundle::{Bundle, Directions, LANES, Pixels, PointSource};
+use crate::line::normal_rays::bundle::{Bundle, BundlePixels, Directions, LANES, PointSource};
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::plan::Plan;
 
@@ -132,7 +132,7 @@ impl<'a> WalkedSurface<'a> {
             ..
         } = bundle;
         let far = |a: usize, b: usize| if a.min(b) > 0 { a.min(b) } else { a.max(b) };
-        let take = |beside: &mut Pixels, open: usize, at: (usize, usize)| match open {
+        let take = |beside: &mut BundlePixels, open: usize, at: (usize, usize)| match open {
             0 => beside.is_there[lane] = 0,
             _ => self.take(beside, lane, at),
         };
@@ -149,7 +149,7 @@ impl<'a> WalkedSurface<'a> {
 
     /// Takes a pixel into a lane.
     #[inline]
-    fn take(&self, pixels: &mut Pixels, lane: usize, (x, y): (usize, usize)) {
+    fn take(&self, pixels: &mut BundlePixels, lane: usize, (x, y): (usize, usize)) {
         let normal = &self.frame.normal;
         for (to, plane) in pixels
             .normal

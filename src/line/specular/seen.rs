@@ -38,21 +38,21 @@ pub(crate) fn seen_pixels(
         .filter(|_| !memory.is_cancelled())
         .map(|band| {
             let rows = band * ROWS..((band + 1) * ROWS).min(height);
-            Band::bent(frame, tracer, rows).seen(frame, tracer, tangents)
+            PathBand::bent(frame, tracer, rows).seen(frame, tracer, tangents)
         })
         .collect();
     bands.concat()
 }
 
 /// The paths of some rows and of the adjacent ones.
-struct Band {
+struct PathBand {
     rows: std::ops::Range<usize>,
     first: usize,
     width: usize,
     paths: Vec<Option<Path>>,
 }
 
-impl Band {
+impl PathBand {
     fn bent(frame: &Frame, tracer: &Tracer, rows: std::ops::Range<usize>) -> Self {
         let width = frame.mask.width();
         let first = rows.start.saturating_sub(1);

@@ -3,7 +3,7 @@
 use super::dark_dots::{covered, mended};
 use super::room::fitted;
 use super::settled::settled;
-use super::spread::{Field, diffused, spaced};
+use super::spread::{DotDensity, diffused, spaced};
 use super::{Dot, LaidDot};
 use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane};
@@ -33,7 +33,7 @@ pub(crate) fn stippled(
 ) -> Stippled {
     let radius = radius_of(&params.stroke(resolution_factor));
     let ink = densities.mapped(frame, memory, |_| |_, density| coverage_at(density));
-    let field = Field::new(&ink, radius);
+    let field = DotDensity::new(&ink, radius);
     let (laid, dots) = carried_on(&field, params.seed, sequence, frame, memory)
         .unwrap_or_else(|| laid_anew(&field, params.seed, memory));
     let dots = mended(dots, radius, &ink, memory);
@@ -62,7 +62,7 @@ pub(crate) fn most_dots_per_px(stroke: &Stroke) -> f32 {
 }
 
 /// Dots that begin with this frame, and their sizes.
-fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Dot>) {
+fn laid_anew(field: &DotDensity, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Dot>) {
     let laid = |at: Vec2| LaidDot {
         at,
         share: 1.0,
@@ -78,7 +78,7 @@ fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Do
 
 /// The dots that continue those of the previous frame, and their sizes, if any of these is still visible.
 fn carried_on(
-    field: &Field,
+    field: &DotDensity,
     seed: u64,
     sequence: Option<SequenceInputs>,
     frame: &Frame,
@@ -105,7 +105,7 @@ mod tests {
     use crate::kernel::cancel::CancelToken;
 
     fn dots(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Dot> {
-        let (_, dots) = laid_anew(&Field::new(ink, radius), seed, memory);
+        let (_, dots) = laid_anew(&DotDensity::new(ink, radius), seed, memory);
         mended(dots, radius, ink, memory)
     }
 

@@ -1,6 +1,6 @@
 //! The sizes of dots that were not placed for their tone, by the room that each has.
 
-use super::spread::{Field, by_cell};
+use super::spread::{DotDensity, by_cell};
 use super::{Dot, LaidDot};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ const AROUND: usize = 8;
 
 /// The dots, each large enough to ink its share of the paper around it. Where ink is short, those that are coming are
 /// made larger first.
-pub(super) fn fitted(dots: &mut [LaidDot], field: &Field) -> Vec<Dot> {
+pub(super) fn fitted(dots: &mut [LaidDot], field: &DotDensity) -> Vec<Dot> {
     let crowding = crowdings(dots, field);
     for (dot, crowding) in dots.iter_mut().zip(crowding) {
         if !dot.is_going && crowding < 1.0 {
@@ -36,7 +36,7 @@ pub(super) fn fitted(dots: &mut [LaidDot], field: &Field) -> Vec<Dot> {
 }
 
 /// For each dot the sum of the shares of dots near it, over that wanted there.
-fn crowdings(dots: &[LaidDot], field: &Field) -> Vec<f32> {
+fn crowdings(dots: &[LaidDot], field: &DotDensity) -> Vec<f32> {
     let places: Vec<Vec2> = dots.iter().map(|dot| dot.at).collect();
     let cells = by_cell(&places, field);
     let around: [Vec2; AROUND] =
@@ -74,7 +74,7 @@ mod tests {
             is_going: false,
         };
         let mut dots: Vec<LaidDot> = (0..count * count).map(dot).collect();
-        let dots = fitted(&mut dots, &Field::new(&ink, 1.0));
+        let dots = fitted(&mut dots, &DotDensity::new(&ink, 1.0));
         let is_inner = |dot: &&Dot| (dot.at - 100.0).abs().max_element() < 80.0;
         let radii: Vec<f32> = dots.iter().filter(is_inner).map(|dot| dot.radius).collect();
         radii.iter().sum::<f32>() / radii.len() as f32

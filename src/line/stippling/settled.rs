@@ -2,7 +2,7 @@
 //! close some go, and where it leaves room others come, by shrinking and growing over a few frames.
 
 use super::LaidDot;
-use super::spread::{Field, diffused, spaced};
+use super::spread::{DotDensity, diffused, spaced};
 use crate::frame::Mask;
 use crate::frame::memory::Memory;
 use crate::line::placed::Placed;
@@ -27,7 +27,7 @@ const TRIES: u64 = 8;
 /// was not seen before has its full size.
 pub(super) fn settled(
     carried: &[LaidDot],
-    field: &Field,
+    field: &DotDensity,
     was_seen: &Mask,
     seed: u64,
     memory: &Memory,

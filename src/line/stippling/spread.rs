@@ -38,7 +38,7 @@ pub(super) fn laid(covered: f32) -> f32 {
 pub(super) fn spaced(
     mut places: Vec<Vec2>,
     fixed: usize,
-    field: &Field,
+    field: &DotDensity,
     memory: &Memory,
 ) -> Vec<Vec2> {
     let rounds = if fixed < places.len() { ROUNDS } else { 0 };
@@ -49,14 +49,14 @@ pub(super) fn spaced(
 }
 
 /// Number of dots wanted by position.
-pub(super) struct Field<'a> {
+pub(super) struct DotDensity<'a> {
     ink: &'a Plane,
     /// Radius and area of a dot.
     pub(super) radius: f32,
     area: f32,
 }
 
-impl<'a> Field<'a> {
+impl<'a> DotDensity<'a> {
     /// The dots of a radius that cover `ink`, 0..1, of the paper.
     pub(super) fn new(ink: &'a Plane, radius: f32) -> Self {
         Self {
@@ -98,7 +98,7 @@ impl<'a> Field<'a> {
 }
 
 /// Dots by error diffusion [FS], in serpentine rows, on a finer grid if a pixel takes several.
-pub(super) fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
+pub(super) fn diffused(field: &DotDensity, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let mut random = Random::new(seed);
     let most = laid(1.0) / field.area;
     let parts = (most / MOST_IN_CELL).sqrt().ceil().max(1.0) as usize;
@@ -139,7 +139,7 @@ pub(super) fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
 }
 
 /// Every dot but the first few pushed away from dots that are too close, unless no ink is wanted there.
-fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
+fn pushed(places: &[Vec2], fixed: usize, field: &DotDensity) -> Vec<Vec2> {
     let cells = by_cell(places, field);
     let farthest = FARTHEST * field.radius;
     let moved = |(number, &at): (usize, &Vec2)| {
@@ -162,7 +162,7 @@ fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
 }
 
 /// Positions by cell, with their numbers for those of lines.
-pub(super) fn by_cell(places: &[Vec2], field: &Field) -> Placed {
+pub(super) fn by_cell(places: &[Vec2], field: &DotDensity) -> Placed {
     let mut cells = Placed::new(field.size(), field.cell_side());
     // Those of a cell are seen in the order of numbers.
     for (number, &at) in places.iter().enumerate().rev() {

@@ -13,7 +13,7 @@ use crate::line::texture_coordinates::origin;
 use crate::line::texture_coordinates::places::{MovingSurface, PlaceMap};
 use crate::line::texture_coordinates::shares::Weighed;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
-use crate::line::texture_coordinates::step::Step;
+use crate::line::texture_coordinates::step::FrameStep;
 pub(crate) use crate::plan::drawing::{SequenceInputs, TextureCoordinates};
 
 /// Most maps kept at once, beside the next one.
@@ -56,7 +56,7 @@ impl TextureCoordinates {
 
     /// Coordinates of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
     fn advanced(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
-        let step = Step::new(self.window, self.surface(), frame, motion);
+        let step = FrameStep::new(self.window, self.surface(), frame, motion);
         let origins = step.origins();
         let hidden = Hidden::find(&origins, MovingSurface::of(frame, Some(motion)));
         let maps = self.maps.iter().filter_map(|map| {
@@ -89,7 +89,7 @@ impl TextureCoordinates {
 
     /// The pixels of `frame` whose surface was fully visible in the previous frame too, by `motion`.
     pub fn seen_before(&self, frame: &Frame, motion: &Vector2Planes) -> Mask {
-        let origins = Step::new(self.window, self.surface(), frame, motion).origins();
+        let origins = FrameStep::new(self.window, self.surface(), frame, motion).origins();
         Mask::new(origins.map(|origin| origin.whole))
     }
 

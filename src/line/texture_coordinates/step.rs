@@ -24,7 +24,7 @@ const STRIDE: usize = 8;
 const LEAST_WEIGHT: f32 = 1e-4;
 
 /// From one frame to the next.
-pub(crate) struct Step<'a> {
+pub(crate) struct FrameStep<'a> {
     window_before: Window,
     before: MovingSurface<'a>,
     frame: &'a Frame,
@@ -33,7 +33,7 @@ pub(crate) struct Step<'a> {
     depth_ratio: f32,
 }
 
-impl<'a> Step<'a> {
+impl<'a> FrameStep<'a> {
     pub(crate) fn new(
         window_before: Window,
         before: MovingSurface<'a>,

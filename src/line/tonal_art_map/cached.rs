@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The texture of the last drawing.
 #[derive(Debug, Default)]
-pub(crate) struct ArtMapCache(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
+pub(crate) struct ArtMapCache(Mutex<Option<(MadeWith, Arc<TonalArtMap>)>>);
 
 /// The stroke, style and seed that a texture was made with.
-type Made = (Stroke, Style, u64);
+type MadeWith = (Stroke, Style, u64);
 
 impl ArtMapCache {
     /// The texture for strokes in a picture with `resolution_factor` pixels for each of the reference; `timed` builds

@@ -21,7 +21,7 @@ pub(crate) use super::response::MAX_DENSITY;
 use super::random::Random;
 use super::response::Response;
 use super::slice_texture::SliceTexture;
-use super::stroke_synthesis::Canvas;
+use super::stroke_synthesis::DrawnTexels;
 use super::stroke_texture::{Places, STEPS, StrokeTexture};
 use crate::frame::Plane;
 use crate::line::stroke_texture::BATCH;
@@ -45,7 +45,7 @@ enum Texture {
 /// The texels of a map, row by row.
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
-pub(crate) enum Texels {
+pub(crate) enum MapTexels {
     /// For each texel, from the lowest byte up: the thresholds at which it begins to take ink and is full, and both of
     /// its right neighbour.
     Strokes(Vec<u32>),
@@ -57,7 +57,7 @@ impl TonalArtMap {
     /// The map of strokes drawn along x one by one, chosen by `seed`.
     pub fn of_strokes(stroke: &Stroke, style: Style, seed: u64) -> Self {
         let mut random = Random::new(seed);
-        let canvas = Canvas::drawn(stroke, style, &mut random);
+        let canvas = DrawnTexels::drawn(stroke, style, &mut random);
         let texture = StrokeTexture::new(&canvas);
         Self {
             response: Response::of(&texture.mean_inks(&mut random), STEPS),
@@ -102,10 +102,10 @@ impl TonalArtMap {
 
     /// The texels of the map, in the form used by kernels on a device.
     #[cfg(feature = "gpu")]
-    pub(crate) fn texels(&self) -> Texels {
+    pub(crate) fn texels(&self) -> MapTexels {
         match &self.texture {
-            Texture::Strokes(texture) => Texels::Strokes(texture.pairs().collect()),
-            Texture::Slices(texture) => Texels::Slices(texture.samples().collect()),
+            Texture::Strokes(texture) => MapTexels::Strokes(texture.pairs().collect()),
+            Texture::Slices(texture) => MapTexels::Slices(texture.samples().collect()),
         }
     }
 

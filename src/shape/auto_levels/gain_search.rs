@@ -2,7 +2,7 @@
 
 use super::cpu::Counted;
 use super::{flat_curvature, gain_of};
-use crate::frame::percentile::{Looks, Sample};
+use crate::frame::percentile::{Looks, PictureSample};
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::execution::Execution;
@@ -12,7 +12,7 @@ use crate::shape::curvature::stage::trace_of_gradient;
 
 /// A search for the gain.
 pub(crate) struct GainSearch {
-    pub(super) sample: Sample<[f32; 2]>,
+    pub(super) sample: PictureSample<[f32; 2]>,
     /// The factor of the trace to its value per pixel.
     factor: f32,
     most: f32,
@@ -22,7 +22,7 @@ impl GainSearch {
     /// For a trace of `factor` times its value per pixel, and a gain of at most `most`.
     pub(crate) fn new(factor: f32, most: f32) -> Self {
         Self {
-            sample: Sample::default(),
+            sample: PictureSample::default(),
             factor,
             most,
         }

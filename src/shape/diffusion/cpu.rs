@@ -8,7 +8,9 @@ use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::still::Moving;
 use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout, Recurrence};
 use crate::shape::diffusion::tiles::{Tiling, even_tiles};
-use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, WavefrontTile, Weights};
+use crate::shape::diffusion::wavefront::{
+    Pass, TermWeights, TileTarget, VectorRows, WavefrontTile,
+};
 use crate::shape::diffusion::{FEW_LEVELS, Update};
 use rayon::prelude::*;
 
@@ -46,13 +48,13 @@ pub(crate) fn diffusion(
     let size = even_tiles(options.tile, pixels, threads, updates.len());
     let tiling = Tiling::new(mask, size);
     let weights = match (&sweeps.readout, medium.importance) {
-        (Readout::Sums(sums), _) => Weights::Sums(sums),
-        (_, Some(levels)) => Weights::ByLevel {
+        (Readout::Sums(sums), _) => TermWeights::Sums(sums),
+        (_, Some(levels)) => TermWeights::ByLevel {
             levels: &levels.plane,
             are_few: levels.count <= FEW_LEVELS,
             weights: &levels.weights,
         },
-        _ => Weights::None,
+        _ => TermWeights::None,
     };
     let shortest = pixels.into_iter().zip(wraps).filter(|&(_, wraps)| wraps);
     let shortest = shortest
@@ -68,7 +70,7 @@ pub(crate) fn diffusion(
 
     let blank = || memory.vectors(mask);
     let mut sums: Vec<_> = (0..weights.sums()).map(|_| blank()).collect();
-    let mut terms = Terms {
+    let mut terms = LastTerms {
         last: gradient,
         earlier: None,
     };
@@ -82,7 +84,7 @@ pub(crate) fn diffusion(
             moving.read_out_still(from, to, weights);
         }
     };
-    if let Weights::Sums(all) = weights {
+    if let TermWeights::Sums(all) = weights {
         for (sum, weights) in sums.iter_mut().zip(all) {
             let signed = weights.iter().enumerate();
             let signed = signed.map(|(k, &a)| if k % 2 == 0 { a } else { -a });
@@ -92,7 +94,7 @@ pub(crate) fn diffusion(
         // Both of the planes that steps go to and fro between have what stays.
         let mut last = blank();
         read_out_still(&mut last, &[1.0]);
-        spare = Some(Terms {
+        spare = Some(LastTerms {
             last,
             earlier: None,
         });
@@ -113,8 +115,8 @@ pub(crate) fn diffusion(
         };
         let goes_on = i + 1 < passes;
         if goes_on || sums.is_empty() {
-            let (last, earlier) = spare.take().map_or((None, None), Terms::into_parts);
-            let mut next = Terms {
+            let (last, earlier) = spare.take().map_or((None, None), LastTerms::into_parts);
+            let mut next = LastTerms {
                 last: last.unwrap_or_else(blank),
                 // Explicit steps need only the last term.
                 earlier: is_expansion.then(|| earlier.unwrap_or_else(blank)),
@@ -130,7 +132,7 @@ pub(crate) fn diffusion(
     } else {
         memory.recycle([terms.last.x, terms.last.y]);
     }
-    let (last, earlier) = spare.map_or((None, None), Terms::into_parts);
+    let (last, earlier) = spare.map_or((None, None), LastTerms::into_parts);
     let left = [last, earlier, terms.earlier].into_iter().flatten();
     memory.recycle(left.flat_map(|Vector2Planes { x, y }| [x, y]));
     Diffused {
@@ -140,12 +142,12 @@ pub(crate) fn diffusion(
 }
 
 /// The last term of a recurrence and, if the next one needs it, the term before.
-struct Terms {
+struct LastTerms {
     last: Vector2Planes,
     earlier: Option<Vector2Planes>,
 }
 
-impl Terms {
+impl LastTerms {
     fn into_parts(self) -> (Option<Vector2Planes>, Option<Vector2Planes>) {
         (Some(self.last), self.earlier)
     }
@@ -166,8 +168,17 @@ fn updates(sweeps: &DiffusionSchedule) -> Vec<Update> {
 }
 
 /// Runs a pass over all tiles.
-fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Option<&mut Terms>) {
-    let mut results: Vec<Results> = tiling.tiles().iter().map(|_| Results::default()).collect();
+fn run_pass(
+    pass: &Pass,
+    tiling: &Tiling,
+    sums: &mut [Vector2Planes],
+    next: Option<&mut LastTerms>,
+) {
+    let mut results: Vec<TileTarget> = tiling
+        .tiles()
+        .iter()
+        .map(|_| TileTarget::default())
+        .collect();
     for sum in sums {
         for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, sum)) {
             results.sums.push(rows);
@@ -191,7 +202,7 @@ fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Opti
 }
 
 /// Runs a pass over all tiles, in chunks of `N` pixels.
-fn run_tiles<const N: usize>(pass: &Pass, tiling: &Tiling, results: Vec<Results>) {
+fn run_tiles<const N: usize>(pass: &Pass, tiling: &Tiling, results: Vec<TileTarget>) {
     tiling
         .tiles()
         .par_iter()

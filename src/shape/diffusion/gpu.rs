@@ -6,7 +6,7 @@ use crate::gpu::uniforms::uniforms;
 use crate::gpu::wgsl::Number::U32;
 use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::recording::{NOWHERE, Recording};
-use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::importance::ImportanceLevels;
 use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 
 /// The conductance of the face between two pixels.
@@ -66,7 +66,7 @@ pub(crate) fn diffuse(run: &mut Recording) {
     let gradient = run.plane("gradient");
     let sweeps = plan.sweeps();
     let all = sweeps.count();
-    let importance = Levels::of(run.frame, sweeps);
+    let importance = ImportanceLevels::of(run.frame, sweeps);
     if let Some(levels) = &importance {
         let numbers = levels.plane.map(|level| f32::from_bits(level.into()));
         run.upload_as("levels", Some(&numbers));
@@ -100,7 +100,7 @@ impl Recording<'_> {
         &mut self,
         gradient: &wgpu::Buffer,
         (count, weights): (usize, &[f32]),
-        levels: Option<&Levels>,
+        levels: Option<&ImportanceLevels>,
     ) -> wgpu::Buffer {
         let [width, height] = self.size;
         let whole = self.host.frame.data_window;

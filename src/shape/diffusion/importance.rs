@@ -6,7 +6,7 @@ use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout};
 use rayon::prelude::*;
 
 /// Quantised importance, and the weights of every level that occurs.
-pub(crate) struct Levels {
+pub(crate) struct ImportanceLevels {
     pub(crate) plane: Plane<u16>,
     /// Number of levels.
     pub(crate) count: usize,
@@ -14,7 +14,7 @@ pub(crate) struct Levels {
     pub(crate) weights: Vec<[f32; LEVELS]>,
 }
 
-impl Levels {
+impl ImportanceLevels {
     /// The levels of a frame, if the sweeps are weighted by importance.
     pub(crate) fn of(frame: &Frame, sweeps: &DiffusionSchedule) -> Option<Self> {
         let Readout::ByImportance(_) = sweeps.readout else {

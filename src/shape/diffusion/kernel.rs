@@ -11,18 +11,18 @@ use crate::shape::diffusion::{Update, added, flux, through};
 pub(crate) const TOGETHER: usize = 4;
 
 /// One value for each pixel of a chunk of `N` pixels.
-pub(crate) type Lanes<const N: usize> = [f32; N];
+pub(crate) type ChunkLanes<const N: usize> = [f32; N];
 
 /// Neighbouring pixels of a row in flight.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct Chunk<const N: usize> {
     /// The last even and the last odd term, x and y of each.
-    pub(crate) terms: [[Lanes<N>; 2]; 2],
+    pub(crate) terms: [[ChunkLanes<N>; 2]; 2],
     /// Conductances of the faces left of the pixels.
-    pub(crate) left: Lanes<N>,
+    pub(crate) left: ChunkLanes<N>,
     /// Conductances of the faces above the pixels.
-    pub(crate) above: Lanes<N>,
+    pub(crate) above: ChunkLanes<N>,
 }
 
 impl<const N: usize> Chunk<N> {
@@ -37,11 +37,11 @@ impl<const N: usize> Chunk<N> {
 /// x and y of a sum of terms, for the pixels of a chunk.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Sum<const N: usize>(pub(crate) [Lanes<N>; 2]);
+pub(crate) struct Sum<const N: usize>(pub(crate) [ChunkLanes<N>; 2]);
 
 /// What a sweep computes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sweep {
+pub(crate) struct FlowSweep {
     pub(crate) update: Update,
     /// Which of the terms is read, by its parity; the other one holds the earlier value and is replaced.
     pub(crate) from: usize,
@@ -94,7 +94,7 @@ pub(crate) fn sweep_row<const N: usize>(
     row: &mut [Chunk<N>],
     below: &[Chunk<N>],
     sums: &mut [Sum<N>],
-    sweep: Sweep,
+    sweep: FlowSweep,
 ) {
     #[inline(always)]
     fn by<const N: usize, const SUMMED: bool>(
@@ -103,12 +103,12 @@ pub(crate) fn sweep_row<const N: usize>(
         row: &mut [Chunk<N>],
         below: &[Chunk<N>],
         sums: &mut [Sum<N>],
-        sweep: Sweep,
+        sweep: FlowSweep,
         updated: impl Fn(f32, f32, f32) -> f32,
     ) {
         let count = row.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut row = Row::<N, SUMMED>::new(fma, row, sums, sweep, count);
+        let mut row = SweptRow::<N, SUMMED>::new(fma, row, sums, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = row.fluxes_from(i, &above[i]);
             row.step(i, &mut from_above, &below[i], &updated);
@@ -130,7 +130,7 @@ pub(crate) fn sweep_rows<const N: usize>(
     rows: [&mut [Chunk<N>]; TOGETHER],
     below: &[Chunk<N>],
     sums: [&mut [Sum<N>]; TOGETHER],
-    sweep: Sweep,
+    sweep: FlowSweep,
 ) {
     #[inline(always)]
     fn by<const N: usize, const SUMMED: bool>(
@@ -139,15 +139,15 @@ pub(crate) fn sweep_rows<const N: usize>(
         [a, b, c, d]: [&mut [Chunk<N>]; TOGETHER],
         below: &[Chunk<N>],
         [sum_a, sum_b, sum_c, sum_d]: [&mut [Sum<N>]; TOGETHER],
-        sweep: Sweep,
+        sweep: FlowSweep,
         updated: impl Fn(f32, f32, f32) -> f32,
     ) {
         let count = a.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut a = Row::<N, SUMMED>::new(fma, a, sum_a, sweep, count);
-        let mut b = Row::<N, SUMMED>::new(fma, b, sum_b, sweep, count);
-        let mut c = Row::<N, SUMMED>::new(fma, c, sum_c, sweep, count);
-        let mut d = Row::<N, SUMMED>::new(fma, d, sum_d, sweep, count);
+        let mut a = SweptRow::<N, SUMMED>::new(fma, a, sum_a, sweep, count);
+        let mut b = SweptRow::<N, SUMMED>::new(fma, b, sum_b, sweep, count);
+        let mut c = SweptRow::<N, SUMMED>::new(fma, c, sum_c, sweep, count);
+        let mut d = SweptRow::<N, SUMMED>::new(fma, d, sum_d, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = a.fluxes_from(i, &above[i]);
             a.step(i, &mut from_above, &b.chunks[i], &updated);
@@ -165,23 +165,23 @@ pub(crate) fn sweep_rows<const N: usize>(
 }
 
 /// A row while it is swept, from left to right.
-struct Row<'a, const N: usize, const SUMMED: bool> {
+struct SweptRow<'a, const N: usize, const SUMMED: bool> {
     fma: bool,
     chunks: &'a mut [Chunk<N>],
     sums: &'a mut [Sum<N>],
-    sweep: Sweep,
+    sweep: FlowSweep,
     /// The fluxes from the west into the chunk that is next, of x and y.
-    from_west: (Lanes<N>, Lanes<N>),
+    from_west: (ChunkLanes<N>, ChunkLanes<N>),
 }
 
 // Both components are written out: kept in arrays, they would pass through memory.
-impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
+impl<'a, const N: usize, const SUMMED: bool> SweptRow<'a, N, SUMMED> {
     #[inline(always)]
     fn new(
         fma: bool,
         chunks: &'a mut [Chunk<N>],
         sums: &'a mut [Sum<N>],
-        sweep: Sweep,
+        sweep: FlowSweep,
         count: usize,
     ) -> Self {
         let from = sweep.from % 2;
@@ -199,14 +199,14 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
             fma,
             chunks: &mut chunks[..count],
             sums: &mut sums[..if SUMMED { count } else { 0 }],
-            sweep: Sweep { from, ..sweep },
+            sweep: FlowSweep { from, ..sweep },
             from_west,
         }
     }
 
     /// The fluxes from the row above into chunk `i`.
     #[inline(always)]
-    fn fluxes_from(&self, i: usize, above: &Chunk<N>) -> (Lanes<N>, Lanes<N>) {
+    fn fluxes_from(&self, i: usize, above: &Chunk<N>) -> (ChunkLanes<N>, ChunkLanes<N>) {
         let (at, from) = (&self.chunks[i], self.sweep.from);
         let (out_of, into) = (&above.terms[from], &at.terms[from]);
         (
@@ -220,7 +220,7 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
     fn step(
         &mut self,
         i: usize,
-        from_above: &mut (Lanes<N>, Lanes<N>),
+        from_above: &mut (ChunkLanes<N>, ChunkLanes<N>),
         below: &Chunk<N>,
         updated: &impl Fn(f32, f32, f32) -> f32,
     ) {
@@ -253,11 +253,11 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
         &mut self,
         i: usize,
         c: usize,
-        (west, north): (Lanes<N>, Lanes<N>),
-        next: (&Lanes<N>, &Lanes<N>),
+        (west, north): (ChunkLanes<N>, ChunkLanes<N>),
+        next: (&ChunkLanes<N>, &ChunkLanes<N>),
         below: &Chunk<N>,
         updated: &impl Fn(f32, f32, f32) -> f32,
-    ) -> (Lanes<N>, Lanes<N>) {
+    ) -> (ChunkLanes<N>, ChunkLanes<N>) {
         let (from, to) = (self.sweep.from, 1 - self.sweep.from);
         let at = &mut self.chunks[i];
         let g = at.terms[from][c];
@@ -282,7 +282,11 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
 
 /// The fluxes through faces, out of samples on one side into those on the other.
 #[inline(always)]
-fn fluxes<const N: usize>(joined: &Lanes<N>, out_of: &Lanes<N>, into: &Lanes<N>) -> Lanes<N> {
+fn fluxes<const N: usize>(
+    joined: &ChunkLanes<N>,
+    out_of: &ChunkLanes<N>,
+    into: &ChunkLanes<N>,
+) -> ChunkLanes<N> {
     let mut fluxes = [0.0; N];
     for j in 0..N {
         fluxes[j] = through(joined[j], out_of[j], into[j]);
@@ -294,9 +298,9 @@ fn fluxes<const N: usize>(joined: &Lanes<N>, out_of: &Lanes<N>, into: &Lanes<N>)
 #[inline(always)]
 fn fluxes_from_west<const N: usize>(
     fma: bool,
-    before: &Lanes<N>,
-    at: &Lanes<N>,
-    left: &Lanes<N>,
-) -> Lanes<N> {
+    before: &ChunkLanes<N>,
+    at: &ChunkLanes<N>,
+    left: &ChunkLanes<N>,
+) -> ChunkLanes<N> {
     fluxes(left, &shifted_right::<N>(fma, before, at), at)
 }

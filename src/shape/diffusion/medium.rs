@@ -1,14 +1,14 @@
 //! The medium of diffusion.
 
 use crate::frame::{Mask, Plane};
-use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::importance::ImportanceLevels;
 
 /// What slopes spread through.
 #[derive(Clone, Copy)]
 pub(crate) struct Medium<'a> {
     pub(crate) conductance: &'a Plane,
     pub(crate) mask: &'a Mask,
-    pub(crate) importance: Option<&'a Levels>,
+    pub(crate) importance: Option<&'a ImportanceLevels>,
     /// Whether left and right borders are joined, and upper and lower ones; nothing passes through the others.
     pub(crate) wraps: [bool; 2],
 }

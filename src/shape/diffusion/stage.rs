@@ -8,7 +8,7 @@ use crate::plan::planned::Tile;
 use crate::plan::stage::{Stage, Verdict, step};
 use crate::product::Product;
 use crate::shape::diffusion::cpu::Diffused;
-use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::importance::ImportanceLevels;
 use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::diffusion::{REACH, cpu};
@@ -78,7 +78,7 @@ fn diffuse(run: &mut Execution) {
             let conductance = run.made.outcome.shape.conductance.take();
             let conductance = conductance.expect("slopes spread by conductance");
             let diffused = run.timed("diffusion", || {
-                let importance = Levels::of(frame, plan.sweeps());
+                let importance = ImportanceLevels::of(frame, plan.sweeps());
                 let medium = Medium {
                     importance: importance.as_ref(),
                     ..Medium::of_whole(&conductance, &frame.mask)
@@ -134,7 +134,7 @@ pub(crate) fn in_tile(
     whole: Window,
     spread: impl FnOnce(Vector2Planes, Medium) -> Diffused,
 ) -> Diffused {
-    let importance = medium.importance.map(|levels| Levels {
+    let importance = medium.importance.map(|levels| ImportanceLevels {
         plane: levels.plane.crop(whole, tile.window),
         weights: levels.weights.clone(),
         ..*levels

@@ -224,7 +224,7 @@ mod tests {
     use crate::params::{RunOptions, Scale, ShapeParams, Solver, TileSize};
     use crate::shape::diffusion::LEVELS;
     use crate::shape::diffusion::cpu::diffusion;
-    use crate::shape::diffusion::importance::Levels;
+    use crate::shape::diffusion::importance::ImportanceLevels;
     use crate::shape::diffusion::sweeps::DiffusionSchedule;
     use std::num::NonZeroUsize;
 
@@ -290,7 +290,7 @@ mod tests {
             of_terms.for_each(|(of_term, weight)| of_term[level] = *weight);
         }
         // Few levels and, as far as is known, many.
-        let levels = [3, LEVELS].map(|count| Levels {
+        let levels = [3, LEVELS].map(|count| ImportanceLevels {
             plane: Plane::from_fn(SIZE[0], SIZE[1], |x, y| ((x + y / 40) / 90 % 3) as u16),
             count,
             weights: weights.clone(),

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// A rectangle trimmed to the surface it contains.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Tile {
+pub(crate) struct TrimmedTile {
     pub(crate) columns: Range<usize>,
     pub(crate) rows: Range<usize>,
 }
@@ -15,7 +15,7 @@ pub(crate) struct Tile {
 /// The tiles of a frame that contain surface, and the matching division of planes.
 #[derive(Debug)]
 pub(crate) struct Tiling {
-    tiles: Vec<Tile>,
+    tiles: Vec<TrimmedTile>,
     /// Rows of a band of tiles; the last band may have fewer.
     band_height: usize,
     /// The tiles of every band, left to right.
@@ -30,7 +30,7 @@ impl Tiling {
         let mut bands = Vec::new();
         for top in (0..mask.height()).step_by(down) {
             let first = tiles.len();
-            let cells = (0..mask.width()).step_by(across).map(|left| Tile {
+            let cells = (0..mask.width()).step_by(across).map(|left| TrimmedTile {
                 columns: left..(left + across).min(mask.width()),
                 rows: top..(top + down).min(mask.height()),
             });
@@ -44,19 +44,19 @@ impl Tiling {
         }
     }
 
-    pub(crate) fn tiles(&self) -> &[Tile] {
+    pub(crate) fn tiles(&self) -> &[TrimmedTile] {
         &self.tiles
     }
 
     /// The rows of every tile in `plane`, tile by tile, for writing from different threads.
     pub(crate) fn cut<'a>(&self, plane: &'a mut Plane) -> Vec<Vec<&'a mut [f32]>> {
-        let room = |tile: &Tile| Vec::with_capacity(tile.rows.len());
+        let room = |tile: &TrimmedTile| Vec::with_capacity(tile.rows.len());
         let mut cut: Vec<Vec<&mut [f32]>> = self.tiles.iter().map(room).collect();
         let width = plane.width();
         for (y, mut rest) in plane.samples_mut().chunks_mut(width).enumerate() {
             let mut passed = 0;
             for i in self.bands[y / self.band_height].clone() {
-                let Tile { columns, rows } = &self.tiles[i];
+                let TrimmedTile { columns, rows } = &self.tiles[i];
                 if rows.contains(&y) {
                     let (_, from) = rest.split_at_mut(columns.start - passed);
                     let (part, after) = from.split_at_mut(columns.len());
@@ -105,7 +105,7 @@ pub(crate) fn even_tiles(
 }
 
 /// The smallest rectangle with all surface of `cell`; `None` if it has none.
-fn trimmed(cell: Tile, mask: &Mask) -> Option<Tile> {
+fn trimmed(cell: TrimmedTile, mask: &Mask) -> Option<TrimmedTile> {
     let (mut columns, mut rows) = (cell.columns.end..cell.columns.start, None);
     for y in cell.rows {
         let row = &mask.row(y)[cell.columns.clone()];
@@ -118,7 +118,7 @@ fn trimmed(cell: Tile, mask: &Mask) -> Option<Tile> {
         let start = rows.as_ref().map_or(y, |rows: &Range<usize>| rows.start);
         rows = Some(start..y + 1);
     }
-    rows.map(|rows| Tile { columns, rows })
+    rows.map(|rows| TrimmedTile { columns, rows })
 }
 
 #[cfg(test)]

@@ -9,9 +9,9 @@ use crate::frame::memory::Memory;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::kernel::simd::wide;
 use crate::shape::conductance;
-use crate::shape::diffusion::kernel::{self, Chunk, Lanes, Sum, Sweep, TOGETHER};
+use crate::shape::diffusion::kernel::{self, Chunk, ChunkLanes, FlowSweep, Sum, TOGETHER};
 use crate::shape::diffusion::still::Moving;
-use crate::shape::diffusion::tiles::Tile;
+use crate::shape::diffusion::tiles::TrimmedTile;
 use crate::shape::diffusion::{self, FEW_LEVELS, LEVELS, Update};
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ pub(crate) struct Pass<'a> {
     /// One update per sweep.
     pub(crate) updates: &'a [Update],
     /// The weights of the sum of terms.
-    pub(crate) weights: Weights<'a>,
+    pub(crate) weights: TermWeights<'a>,
     /// Number of the starting term; 0 at the beginning of the recurrence.
     pub(crate) first_term: usize,
     /// Whether this is the last pass.
@@ -48,7 +48,7 @@ pub(crate) struct Pass<'a> {
 
 /// The weights of all terms of a recurrence, that of term 0 first.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Weights<'a> {
+pub(crate) enum TermWeights<'a> {
     /// No sum.
     None,
     /// One list of weights per sum; terms beyond its end have weight 0.
@@ -62,7 +62,7 @@ pub(crate) enum Weights<'a> {
     },
 }
 
-impl Weights<'_> {
+impl TermWeights<'_> {
     /// Number of sums.
     pub(crate) fn sums(&self) -> usize {
         match self {
@@ -121,7 +121,7 @@ pub(crate) type VectorRows<'a> = [Vec<&'a mut [f32]>; 2];
 
 /// Destination of a tile's results.
 #[derive(Debug, Default)]
-pub(crate) struct Results<'a> {
+pub(crate) struct TileTarget<'a> {
     /// The sums, accumulated in place.
     pub(crate) sums: Vec<VectorRows<'a>>,
     /// The last term.
@@ -156,7 +156,7 @@ pub(crate) struct WavefrontTile<const N: usize> {
 
 impl<const N: usize> WavefrontTile<N> {
     /// Runs `pass` over `tile`; stops early if the run is cancelled.
-    pub(crate) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
+    pub(crate) fn run(&mut self, pass: &Pass, tile: &TrimmedTile, results: &mut TileTarget) {
         let sweeps = pass.updates.len();
         let height = pass.conductance.height();
         self.make_room(pass, tile.columns.len(), results.sums.len());
@@ -166,7 +166,7 @@ impl<const N: usize> WavefrontTile<N> {
             true => (height * sweeps.div_ceil(height), usize::MAX),
             false => (0, height),
         };
-        let tile = &Tile {
+        let tile = &TrimmedTile {
             columns: tile.columns.clone(),
             rows: tile.rows.start + above..tile.rows.end + above,
         };
@@ -217,7 +217,7 @@ impl<const N: usize> WavefrontTile<N> {
         for sum in &mut self.sums {
             refill(sum, ring, Sum([[0.0; N]; 2]));
         }
-        if let Weights::ByLevel { .. } = pass.weights {
+        if let TermWeights::ByLevel { .. } = pass.weights {
             refill(&mut self.levels, ring, [0; N]);
         }
         let [even, odd] = &mut self.open;
@@ -227,7 +227,7 @@ impl<const N: usize> WavefrontTile<N> {
     }
 
     /// Finds the columns of the picture in reach of the sweeps, across joined borders as often as they reach.
-    fn find_columns(&mut self, pass: &Pass, tile: &Tile) {
+    fn find_columns(&mut self, pass: &Pass, tile: &TrimmedTile) {
         let (reach, width) = (pass.updates.len(), pass.conductance.width());
         self.columns.clear();
         if !pass.wraps[0] {
@@ -254,7 +254,14 @@ impl<const N: usize> WavefrontTile<N> {
     }
 
     /// Loads row `y`: terms, conductances of its faces, and the sum so far.
-    fn enter(&mut self, pass: &Pass, tile: &Tile, y: usize, is_first: bool, results: &mut Results) {
+    fn enter(
+        &mut self,
+        pass: &Pass,
+        tile: &TrimmedTile,
+        y: usize,
+        is_first: bool,
+        results: &mut TileTarget,
+    ) {
         let in_picture = y % pass.conductance.height();
         let row = self.row(y);
         let [even, odd] = &mut self.open;
@@ -319,7 +326,7 @@ impl<const N: usize> WavefrontTile<N> {
                 }
             }
         }
-        if let Weights::ByLevel { levels, .. } = pass.weights {
+        if let TermWeights::ByLevel { levels, .. } = pass.weights {
             let row = self.levels[row].as_flattened_mut();
             row[self.pad..][..tile.columns.len()]
                 .copy_from_slice(&levels.row(in_picture)[tile.columns.clone()]);
@@ -327,7 +334,7 @@ impl<const N: usize> WavefrontTile<N> {
     }
 
     /// Rows `at_work` of sweep `k`, which computes term `k` of the pass from the previous ones, and adds it to the sums.
-    fn sweep(&mut self, pass: &Pass, k: usize, at_work: Range<usize>, tile: &Tile) {
+    fn sweep(&mut self, pass: &Pass, k: usize, at_work: Range<usize>, tile: &TrimmedTile) {
         let (rim, height) = (pass.updates.len() - k, pass.mask.height());
         // Only where a row is covered: elsewhere all terms are 0.
         let span = at_work
@@ -364,10 +371,10 @@ impl<const N: usize> WavefrontTile<N> {
         // With a neighbour at both ends.
         let chunks = swept.start / N - 1..swept.end.div_ceil(N) + 1;
         let weights = match (pass.added_at(k), pass.weights) {
-            (Some(added), Weights::Sums(all)) => added.of_sum(&all[0]),
+            (Some(added), TermWeights::Sums(all)) => added.of_sum(&all[0]),
             _ => [0.0; 2],
         };
-        let sweep = Sweep {
+        let sweep = FlowSweep {
             update: pass.updates[k - 1],
             from: k % 2,
             weights,
@@ -405,13 +412,13 @@ impl<const N: usize> WavefrontTile<N> {
     }
 
     /// Adds terms to the sums that sweep `k` has not added to itself, in row `y`.
-    fn add(&mut self, pass: &Pass, added: Added, k: usize, y: usize, tile: &Tile) {
+    fn add(&mut self, pass: &Pass, added: Added, k: usize, y: usize, tile: &TrimmedTile) {
         let columns = self.tile_chunks(y, tile);
         let row = &self.chunks[columns.clone()];
         let read = k % 2;
         match pass.weights {
-            Weights::None => {}
-            Weights::Sums(all) => {
+            TermWeights::None => {}
+            TermWeights::Sums(all) => {
                 for (sum, of_sum) in self.sums.iter_mut().zip(all).skip(1) {
                     let weights = added.of_sum(of_sum);
                     if weights != [0.0; 2] {
@@ -420,7 +427,7 @@ impl<const N: usize> WavefrontTile<N> {
                     }
                 }
             }
-            Weights::ByLevel {
+            TermWeights::ByLevel {
                 are_few, weights, ..
             } => {
                 let sum = &mut self.sums[0][columns.clone()];
@@ -442,13 +449,13 @@ impl<const N: usize> WavefrontTile<N> {
     }
 
     /// Position of the tile's chunks of row `y` in a ring.
-    fn tile_chunks(&self, y: usize, tile: &Tile) -> Range<usize> {
+    fn tile_chunks(&self, y: usize, tile: &TrimmedTile) -> Range<usize> {
         let start = self.row(y).start + self.pad / N;
         start..start + tile.columns.len().div_ceil(N)
     }
 
     /// Outputs row `y`, which has passed all sweeps.
-    fn leave(&self, pass: &Pass, y: usize, tile: &Tile, results: &mut Results) {
+    fn leave(&self, pass: &Pass, y: usize, tile: &TrimmedTile, results: &mut TileTarget) {
         let (tile_row, in_picture) = (y - tile.rows.start, y % pass.mask.height());
         let sweeps = pass.updates.len();
         let chunks = self.tile_chunks(y, tile);
@@ -520,7 +527,7 @@ fn place<T, const N: usize>(
     chunks: &mut [T],
     at: usize,
     samples: &[f32],
-    lanes: impl Fn(&mut T) -> &mut Lanes<N>,
+    lanes: impl Fn(&mut T) -> &mut ChunkLanes<N>,
 ) {
     let to_whole = at.next_multiple_of(N) - at;
     let (head, rest) = samples.split_at(to_whole.min(samples.len()));
@@ -543,7 +550,7 @@ fn take<T, const N: usize>(
     row: &mut [f32],
     chunks: &[T],
     at: usize,
-    lanes: impl Fn(&T) -> &Lanes<N>,
+    lanes: impl Fn(&T) -> &ChunkLanes<N>,
 ) {
     let to_whole = at.next_multiple_of(N) - at;
     let (head, rest) = row.split_at_mut(to_whole.min(row.len()));

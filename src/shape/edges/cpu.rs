@@ -78,9 +78,9 @@ pub(crate) fn edges_with_weights(
         .zip(gradient.x.samples_mut().par_chunks_mut(ROWS * width))
         .zip(gradient.y.samples_mut().par_chunks_mut(ROWS * width));
     bands.with_max_len(1).enumerate().for_each_init(
-        || Scratch::new(width),
+        || EdgeRows::new(width),
         |scratch, (i, ((((silhouette, crease), conductance), x), y))| {
-            let mut band = Band {
+            let mut band = RowsToFill {
                 top: ROWS * i,
                 silhouette,
                 crease,
@@ -106,7 +106,7 @@ fn bands(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
 }
 
 /// Rows to fill, from row `top` on.
-struct Band<'a> {
+struct RowsToFill<'a> {
     top: usize,
     silhouette: Option<&'a mut [f32]>,
     crease: Option<&'a mut [f32]>,
@@ -117,7 +117,7 @@ struct Band<'a> {
 }
 
 /// Scratch rows of a thread.
-struct Scratch {
+struct EdgeRows {
     /// Rows prepared for gaps, row y at index y modulo 4.
     gaps: [GapRow; GAP_ROWS],
     /// Signed strengths of the gaps to each pixel from the one before it, with one more at either end, 0.
@@ -132,7 +132,7 @@ struct Scratch {
     least_cosine: Vec<f32>,
 }
 
-impl Scratch {
+impl EdgeRows {
     fn new(width: usize) -> Self {
         let row = || vec![0.0; width];
         Self {
@@ -148,7 +148,7 @@ impl Scratch {
 }
 
 /// What silhouettes are found in.
-enum Silhouettes<'a> {
+enum SilhouettesIn<'a> {
     Depth(Box<Gaps<'a>>),
     Occlusion(&'a Plane, SoftThreshold),
     Border,
@@ -157,7 +157,7 @@ enum Silhouettes<'a> {
 struct Sources<'a> {
     frame: &'a Frame,
     params: &'a ShapeParams,
-    silhouettes: Silhouettes<'a>,
+    silhouettes: SilhouettesIn<'a>,
     creases: CreaseDetector,
     to_eye: ToEye,
 }
@@ -169,12 +169,12 @@ impl<'a> Sources<'a> {
         let silhouettes = match SilhouetteSource::of(plan) {
             SilhouetteSource::Depth => {
                 let gaps = Gaps::new(frame, map(&frame.depth), plan.shape.silhouette);
-                Silhouettes::Depth(Box::new(gaps))
+                SilhouettesIn::Depth(Box::new(gaps))
             }
             SilhouetteSource::Occlusion => {
-                Silhouettes::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
+                SilhouettesIn::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
             }
-            SilhouetteSource::Border => Silhouettes::Border,
+            SilhouetteSource::Border => SilhouettesIn::Border,
         };
         Self {
             frame,
@@ -188,7 +188,7 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn fill(&self, band: &mut Band, scratch: &mut Scratch) {
+    fn fill(&self, band: &mut RowsToFill, scratch: &mut EdgeRows) {
         let width = self.frame.mask.width();
         let rows = band.conductance.len() / width;
         let [gradient_x, gradient_y] = &mut band.gradient;
@@ -228,9 +228,9 @@ impl<'a> Sources<'a> {
         lengths: Option<&[f32]>,
         conductance: &mut [f32],
         slopes: [&mut [f32]; 2],
-        scratch: &mut Scratch,
+        scratch: &mut EdgeRows,
     ) {
-        if let Silhouettes::Depth(gaps) = &self.silhouettes {
+        if let SilhouettesIn::Depth(gaps) = &self.silhouettes {
             self.find_gaps(gaps, y, is_first, scratch);
         }
         let columns = self.frame.mask.span(y);
@@ -251,7 +251,7 @@ impl<'a> Sources<'a> {
 
     /// Finds the gaps within row `y`, and between the two rows above and the two below; the former are known unless it
     /// `is_first`.
-    fn find_gaps(&self, gaps: &Gaps, y: usize, is_first: bool, scratch: &mut Scratch) {
+    fn find_gaps(&self, gaps: &Gaps, y: usize, is_first: bool, scratch: &mut EdgeRows) {
         let reach = GAP_ROWS - 1;
         if is_first {
             scratch.gaps.iter_mut().for_each(GapRow::clear);
@@ -273,7 +273,7 @@ impl<'a> Sources<'a> {
     }
 
     /// Finds the gaps between row `y` and the one below.
-    fn find_gaps_below(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
+    fn find_gaps_below(&self, gaps: &Gaps, y: usize, scratch: &mut EdgeRows) {
         let below = &mut scratch.down[y % GAP_ROWS];
         if y + 1 >= self.frame.mask.height() {
             below.fill(0.0);
@@ -325,7 +325,7 @@ impl<'a> Sources<'a> {
     }
 
     /// Prepares row `y` for gaps; all of a row below the picture is unknown.
-    fn prepare(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
+    fn prepare(&self, gaps: &Gaps, y: usize, scratch: &mut EdgeRows) {
         let row = &mut scratch.gaps[y % GAP_ROWS];
         match y < self.frame.mask.height() {
             true => wide!(rows::fill_gap_row(row, &gaps.samples(y), &gaps.scale)),
@@ -333,17 +333,17 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn silhouette_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
+    fn silhouette_row(&self, y: usize, columns: &Range<usize>, scratch: &mut EdgeRows) {
         let (line, barrier) = (&mut scratch.silhouette, &mut scratch.barrier);
         match &self.silhouettes {
-            Silhouettes::Depth(_) => {
+            SilhouettesIn::Depth(_) => {
                 // Of gaps two rows above to one row below; above the first row they are unknown, 0.
                 let down = [2, 3, 0, 1].map(|i| &scratch.down[(y + i) % GAP_ROWS][columns.clone()]);
                 let across = &scratch.across[columns.start..columns.end + 3];
                 let out = [line, barrier].map(|row| &mut row[columns.clone()]);
                 wide!(silhouette::silhouettes_of_gaps_row(out, across, down));
             }
-            Silhouettes::Occlusion(map, threshold) => {
+            SilhouettesIn::Occlusion(map, threshold) => {
                 let map = Rows::around(map, y);
                 wide!(silhouette::jumps_row(
                     line,
@@ -353,7 +353,7 @@ impl<'a> Sources<'a> {
                 ));
                 barrier[columns.clone()].copy_from_slice(&line[columns.clone()]);
             }
-            Silhouettes::Border => {
+            SilhouettesIn::Border => {
                 for row in [line, barrier] {
                     row[columns.clone()].fill(0.0);
                 }
@@ -374,7 +374,7 @@ impl<'a> Sources<'a> {
         columns: &Range<usize>,
         normals: &NormalRows,
         lengths: Option<&[f32]>,
-        scratch: &mut Scratch,
+        scratch: &mut EdgeRows,
     ) {
         let covered = Rows::around(self.frame.mask.plane(), y);
         let least = &mut scratch.least_cosine;

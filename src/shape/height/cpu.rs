@@ -1,6 +1,6 @@
 //! From a frame to its height.
 
-use super::{NAME, Problem, Slopes, goes_over_edges, residual, solve};
+use super::{HeightSlopes, NAME, Problem, goes_over_edges, residual, solve};
 use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Window};
 use crate::plan::Plan;
 use crate::plan::execution::Execution;
@@ -102,7 +102,7 @@ fn from_logarithm(height: &mut Plane, mask: &Mask, focal_px: Option<f32>) {
 }
 
 /// Changes of the unknown per pixel, from the normals; the surface is taken no steeper than `least_nz` allows.
-fn slopes(frame: &Frame, projection: &Projection, least_nz: f32) -> Slopes {
+fn slopes(frame: &Frame, projection: &Projection, least_nz: f32) -> HeightSlopes {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let sight = SightLines::new(*projection);
     let change = |axis: usize| {
@@ -128,7 +128,7 @@ fn slopes(frame: &Frame, projection: &Projection, least_nz: f32) -> Slopes {
         });
         plane
     };
-    Slopes {
+    HeightSlopes {
         x: change(0),
         y: change(1),
     }

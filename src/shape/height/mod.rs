@@ -14,7 +14,7 @@ pub(crate) mod stage;
 use crate::frame::{Mask, Plane};
 use crate::plan::Plan;
 use faces::Faces;
-use multigrid::{Level, cycle, dot};
+use multigrid::{GridLevel, cycle, dot};
 use rayon::prelude::*;
 
 /// Its name among the stages, in timings and in a session.
@@ -27,14 +27,14 @@ fn goes_over_edges(plan: &Plan) -> bool {
 }
 
 /// Changes of the height from each pixel to the next one to the right, and to the next one below; 0 outside the mask.
-pub(crate) struct Slopes {
+pub(crate) struct HeightSlopes {
     pub(crate) x: Plane,
     pub(crate) y: Plane,
 }
 
 /// The height wanted.
 pub(crate) struct Problem<'a> {
-    pub(crate) slopes: &'a Slopes,
+    pub(crate) slopes: &'a HeightSlopes,
     pub(crate) conductance: &'a Plane,
     pub(crate) mask: &'a Mask,
     /// Whether left and right borders continue each other, and top and bottom.
@@ -59,13 +59,13 @@ pub(crate) fn solve(problem: &Problem) -> (Plane, usize) {
         ..
     } = problem;
     let faces = Faces::new(problem.conductance, mask, wraps);
-    let mut changes = Changes::of(slopes, &faces);
+    let mut changes = FaceChanges::of(slopes, &faces);
     let Some((depth, length_px)) = near else {
         let islands = Islands::of(&faces, mask);
         let right = changes.divergence(&faces);
         drop(changes);
         let (mut height, rounds) = conjugate_gradients(
-            Level::all(faces, None),
+            GridLevel::all(faces, None),
             right,
             problem.tolerance,
             islands.are_one(mask),
@@ -74,13 +74,13 @@ pub(crate) fn solve(problem: &Problem) -> (Plane, usize) {
         return (height, rounds);
     };
     // What is wanted beyond the depth is small: single precision is enough for it.
-    changes.subtract(&Changes::between(depth));
+    changes.subtract(&FaceChanges::between(depth));
     let pull = length_px.max(1.0).powi(-2);
     let pull = mask.plane().map(|covered| if covered { pull } else { 0.0 });
     let right = changes.divergence(&faces);
     drop(changes);
     let (mut height, rounds) = conjugate_gradients(
-        Level::all(faces, Some(pull)),
+        GridLevel::all(faces, Some(pull)),
         right,
         problem.tolerance,
         false,
@@ -93,8 +93,8 @@ pub(crate) fn solve(problem: &Problem) -> (Plane, usize) {
 /// square over its faces in x and y.
 pub(crate) fn residual(problem: &Problem, height: &Plane) -> Plane {
     let faces = Faces::new(problem.conductance, problem.mask, problem.wraps);
-    let mut missed = Changes::of(problem.slopes, &faces);
-    missed.subtract(&Changes::between(height));
+    let mut missed = FaceChanges::of(problem.slopes, &faces);
+    missed.subtract(&FaceChanges::between(height));
     let (width, rows) = (height.width(), height.height());
     let mean = |weights: [f32; 2], missed: [f32; 2]| {
         let sum = weights[0] + weights[1];
@@ -110,14 +110,14 @@ pub(crate) fn residual(problem: &Problem, height: &Plane) -> Plane {
 }
 
 /// Changes across the faces to the right of and below each pixel.
-struct Changes {
+struct FaceChanges {
     x: Plane,
     y: Plane,
 }
 
-impl Changes {
+impl FaceChanges {
     /// The means of the slopes beside each face; the second-order rule.
-    fn of(slopes: &Slopes, faces: &Faces) -> Self {
+    fn of(slopes: &HeightSlopes, faces: &Faces) -> Self {
         let (width, height) = (slopes.x.width(), slopes.x.height());
         let x = Plane::of_pixels(width, height, |x, y| match faces.x.at(x, y) > 0.0 {
             true => 0.5 * (slopes.x.at(x, y) + slopes.x.at((x + 1) % width, y)),
@@ -172,7 +172,7 @@ impl Changes {
 /// Where nothing pulls the height it is known up to a constant, and rounding adds one to the residual: it is taken off
 /// again. A round that no longer brings the height nearer is the last: single precision holds no more.
 fn conjugate_gradients(
-    mut levels: Vec<Level>,
+    mut levels: Vec<GridLevel>,
     right: Plane,
     tolerance: f32,
     is_free: bool,

@@ -21,7 +21,7 @@ const SMALLEST: usize = 4;
 const CLOSED: f32 = 0.05;
 
 /// The equation at one resolution: `sum over faces of weight (z - neighbour) + pull z = right-hand side`.
-pub(super) struct Level {
+pub(super) struct GridLevel {
     faces: Faces,
     /// Pull toward given depth; `None` if there is none.
     pull: Option<Plane>,
@@ -31,7 +31,7 @@ pub(super) struct Level {
     spare: Plane,
 }
 
-impl Level {
+impl GridLevel {
     fn new(faces: Faces, pull: Option<Plane>) -> Self {
         let empty = || Plane::filled(faces.x.width(), faces.x.height(), 0.0);
         Self {
@@ -122,7 +122,7 @@ fn step(residual: f32, diagonal: f32, damping: f32) -> f32 {
 }
 
 /// One cycle: an approximate solution `z` of the equation of the first level, linear and symmetric in `right`.
-pub(super) fn cycle(levels: &mut [Level], right: &Plane, z: &mut Plane) {
+pub(super) fn cycle(levels: &mut [GridLevel], right: &Plane, z: &mut Plane) {
     let Some((own, rest)) = levels.split_first_mut() else {
         return;
     };

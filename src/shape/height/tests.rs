@@ -2,10 +2,10 @@ use super::*;
 use std::f64::consts::TAU;
 
 /// Slopes of the height `f`, by central differences of 1e-4 pixels in double precision.
-fn slopes_of(size: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Slopes {
+fn slopes_of(size: [usize; 2], f: impl Fn(f64, f64) -> f64) -> HeightSlopes {
     const H: f64 = 1e-4;
     let [width, height] = size;
-    Slopes {
+    HeightSlopes {
         x: Plane::from_fn(width, height, |x, y| {
             let (x, y) = (x as f64, y as f64);
             ((f(x + H, y) - f(x - H, y)) / (2.0 * H)) as f32
@@ -24,7 +24,7 @@ type Surface = fn(f64, f64) -> f64;
 type Part = fn(usize, usize) -> bool;
 
 struct Case {
-    slopes: Slopes,
+    slopes: HeightSlopes,
     conductance: Plane,
     mask: Mask,
     wraps: [bool; 2],
@@ -177,7 +177,7 @@ fn what_no_surface_has_is_left() {
         let [u, v] = [x, y].map(|i| TAU * i as f64 / 64.0);
         [0.3 * u.sin() * v.cos(), -0.3 * u.cos() * v.sin()]
     };
-    let slopes = Slopes {
+    let slopes = HeightSlopes {
         x: Plane::from_fn(width, height, |x, y| whirl(x, y)[0] as f32),
         y: Plane::from_fn(width, height, |x, y| whirl(x, y)[1] as f32),
     };
@@ -215,7 +215,7 @@ fn ordinary_and_extreme_inputs_end() {
         };
         let mask = Mask::new(Plane::from_fn(size[0], size[1], mask));
         let conductance = mask.plane().map(|covered| if covered { 1.0 } else { 0.0 });
-        let slopes = Slopes {
+        let slopes = HeightSlopes {
             x: slopes(),
             y: slopes(),
         };

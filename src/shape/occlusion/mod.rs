@@ -23,11 +23,11 @@ use std::ops::Range;
 struct Slice {
     /// x right, y up.
     direction: [f32; 2],
-    steps: Vec<Step>,
+    steps: Vec<SliceStep>,
 }
 
 /// A step along a slice: to a whole column or row, between two pixels of it.
-pub(crate) struct Step {
+pub(crate) struct SliceStep {
     /// Columns to the right and rows down to the first pixel, and to the second.
     pixels: [[isize; 2]; 2],
     /// Share of the second.
@@ -51,7 +51,7 @@ impl Slice {
             let mut steps = Vec::new();
             let mut length = 1.0_f32;
             while length / longer <= radius.max(1.0 / longer) {
-                steps.push(Step::along(direction, length / longer));
+                steps.push(SliceStep::along(direction, length / longer));
                 length = (length * GROWTH).round().max(length + 1.0);
             }
             Self { direction, steps }
@@ -60,7 +60,7 @@ impl Slice {
     }
 }
 
-impl Step {
+impl SliceStep {
     pub(crate) fn along(direction: [f32; 2], length: f32) -> Self {
         let offset = [length * direction[0], -length * direction[1]];
         let whole = offset.map(f32::round);
@@ -195,12 +195,12 @@ pub(crate) fn raise_row(
     horizon: &mut [f32],
     heights: [&[f32]; 3],
     tangent: [&[f32]; 2],
-    step: &Step,
+    step: &SliceStep,
 ) {
     let n = horizon.len();
     let [own, first, second] = heights.map(|row| &row[..n]);
     let [p, q] = tangent.map(|row| &row[..n]);
-    let &Step {
+    let &SliceStep {
         share,
         offset,
         inverse,

@@ -1,6 +1,6 @@
 //! Pictures that light may come from: environments and lit spheres beside the open picture.
 
-use super::Pixels;
+use super::ViewPixels;
 use crate::frame::ColorPlanes;
 use crate::io::environment::{color_size, read_color};
 use crate::io::picture::{Picture, PictureFormat, ViewTransform, is_picture_name, small};
@@ -78,7 +78,7 @@ fn setting_for(path: &Path) -> Option<&'static str> {
 
 impl LightFile {
     /// It with no side longer than `longest`; `None` if it cannot be read, or is no lit sphere after all.
-    pub(crate) fn small(&self, longest: usize) -> Option<Pixels> {
+    pub(crate) fn small(&self, longest: usize) -> Option<ViewPixels> {
         let whole = read_color(&self.path).ok()?;
         let size = [whole.r.width(), whole.r.height()];
         let channels = [&whole.r, &whole.g, &whole.b];
@@ -98,7 +98,7 @@ impl LightFile {
         if self.setting == LIT_SPHERE && roughness(&color) > SMOOTH {
             return None;
         }
-        Some(Pixels::of(&Picture::of(&color, ViewTransform::Srgb)))
+        Some(ViewPixels::of(&Picture::of(&color, ViewTransform::Srgb)))
     }
 }
 

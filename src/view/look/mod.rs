@@ -7,7 +7,7 @@ mod view_session;
 pub(crate) use crate::command::setting::{Setting, SettingKind, settings_of};
 pub(crate) use crate::io::inputs::INPUTS;
 pub(crate) use light_files::{ENVIRONMENT, LIT_SPHERE, LightFile, light_files};
-pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
+pub(crate) use view_session::{ShownFile, ViewPixels, ViewSession, What};
 
 use crate::command::chosen::Chosen;
 use crate::command::commands::{ViewArgs, command_named, long};
@@ -33,7 +33,7 @@ const FIRST_COMMAND: &str = "relight";
 const SHOWN: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
 
 /// An error as one line.
-pub(crate) type Said = String;
+pub(crate) type OneLine = String;
 
 /// A command and its settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,7 +187,7 @@ impl Look {
         Invocation::of(start.into_iter().chain(flags).chain(end))
     }
 
-    fn parse(&self, input: &Path) -> std::result::Result<Task, Said> {
+    fn parse(&self, input: &Path) -> std::result::Result<Task, OneLine> {
         let invocation = self.invocation(input, Path::new(NOWHERE));
         invocation
             .parse()
@@ -195,7 +195,7 @@ impl Look {
     }
 
     /// The recipe of the look, with the automatic choices it leaves open.
-    fn recipe(&self, input: &Path, chosen: &Chosen) -> std::result::Result<String, Said> {
+    fn recipe(&self, input: &Path, chosen: &Chosen) -> std::result::Result<String, OneLine> {
         Ok(self.parse(input)?.recipe.with(chosen))
     }
 
@@ -237,7 +237,7 @@ fn quoted(word: &str) -> String {
 }
 
 /// Writes the picture that a look makes of the first path to the second.
-pub(crate) type SavePicture = fn(&Look, &Path, &Path) -> std::result::Result<(), Said>;
+pub(crate) type SavePicture = fn(&Look, &Path, &Path) -> std::result::Result<(), OneLine>;
 
 /// The arguments of a window.
 pub(crate) struct Opening {

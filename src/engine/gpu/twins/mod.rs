@@ -108,7 +108,7 @@ impl Twin {
         let seed = self.name.bytes().fold(1, |seed: u64, byte| {
             seed.wrapping_mul(31).wrapping_add(byte.into())
         });
-        let mut random = Random {
+        let mut random = TwinInputs {
             bits: Pcg32::seed_from_u64(seed),
             last: 0,
         };
@@ -157,13 +157,13 @@ fn show(words: &[u32], kinds: &[ScalarKind]) -> String {
 }
 
 /// Reproducible inputs.
-struct Random {
+struct TwinInputs {
     bits: Pcg32,
     /// The previous value, since equal arguments are a case of their own.
     last: u32,
 }
 
-impl Random {
+impl TwinInputs {
     fn word(&mut self, kind: ScalarKind, range: Option<(f32, f32)>) -> u32 {
         let bits = self.bits.next_u32();
         self.last = match (kind, range) {

@@ -2,7 +2,7 @@
 
 use super::ExrFile;
 use super::attributes::Attributes;
-use super::chunks::{ChunkReader, Place, RawChunk};
+use super::chunks::{BlockPlace, ChunkReader, RawChunk};
 use super::fault::{Fault, Parsed};
 use super::header::{MULTI_PART, TILED};
 use super::sink::ChunkSink;
@@ -103,8 +103,8 @@ impl<'a> Copied<'a> {
             .map_err(|fault| fault.at(&self.input.path))?;
         self.end = self.chunks.position;
         let written = match chunk.place {
-            Place::Row(y) => out.chunk(part, index, &[y], &chunk.bytes),
-            Place::Tile(tile) => out.chunk(part, index, &tile, &chunk.bytes),
+            BlockPlace::Row(y) => out.chunk(part, index, &[y], &chunk.bytes),
+            BlockPlace::Tile(tile) => out.chunk(part, index, &tile, &chunk.bytes),
         };
         written.map_err(Error::io(target, "write"))
     }

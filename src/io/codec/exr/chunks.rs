@@ -8,7 +8,7 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 
 /// The block of a part that a chunk claims to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum BlockPlace {
     /// The first row of a block of rows.
     Row(i32),
     /// Column and row of a tile, then column and row of its resolution level.
@@ -19,7 +19,7 @@ pub(super) enum Place {
 #[derive(Debug)]
 pub(super) struct RawChunk {
     pub(super) part: i32,
-    pub(super) place: Place,
+    pub(super) place: BlockPlace,
     pub(super) bytes: Vec<u8>,
 }
 
@@ -103,8 +103,8 @@ impl<'a> ChunkReader<'a> {
             .ok_or_else(|| Fault::damaged(format!("a block of pixels claims part {part}")))?
             .tiled;
         let place = match tiled {
-            true => Place::Tile([self.int()?, self.int()?, self.int()?, self.int()?]),
-            false => Place::Row(self.int()?),
+            true => BlockPlace::Tile([self.int()?, self.int()?, self.int()?, self.int()?]),
+            false => BlockPlace::Row(self.int()?),
         };
         let bytes = self.sized_bytes(max_bytes)?;
         Ok(RawChunk { part, place, bytes })

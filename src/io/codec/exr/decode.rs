@@ -1,9 +1,9 @@
 //! Chunks to samples, with everything a chunk claims checked before it is believed.
 
 use super::attributes::text_of_bytes;
-use super::chunks::Place;
+use super::chunks::BlockPlace;
 use super::fault::{Fault, Parsed};
-use super::layout::{Area, Layout};
+use super::layout::{Area, BandLayout};
 use super::zip::inflate;
 use crate::io::fence::fenced;
 use ::exr::block::UncompressedBlock;
@@ -68,10 +68,10 @@ impl Slot {
 
 /// The 16-bit words of a decompressed block, in the order of memory: for each row, all samples of one channel after
 /// another.
-pub(super) type Block = Vec<u16>;
+pub(super) type BlockWords = Vec<u16>;
 
 /// The rows of a plane, as wide as the picture, that a channel is read to.
-pub(super) struct Target<'t> {
+pub(super) struct PlaneTarget<'t> {
     pub(super) slot: Slot,
     pub(super) samples: &'t mut [f32],
 }
@@ -80,28 +80,28 @@ pub(super) struct Target<'t> {
 const HELD: &str = "the rows are held";
 
 /// Rows of a picture that are to be filled.
-pub(super) enum Rows<'t> {
+pub(super) enum PictureRows<'t> {
     /// The samples of some channels.
-    Samples(Vec<Target<'t>>),
+    Samples(Vec<PlaneTarget<'t>>),
     /// All channels as stored, laid out as in a block as wide as the picture.
     Bytes(&'t mut [u8]),
 }
 
-impl<'t> Rows<'t> {
+impl<'t> PictureRows<'t> {
     /// Splits off the first `rows` rows.
-    pub(super) fn split_off_top(&mut self, rows: usize, layout: &Layout) -> Rows<'t> {
+    pub(super) fn split_off_top(&mut self, rows: usize, layout: &BandLayout) -> PictureRows<'t> {
         let pixels = rows * layout.width;
         match self {
-            Rows::Samples(planes) => {
-                let top = planes.iter_mut().map(|target| Target {
+            PictureRows::Samples(planes) => {
+                let top = planes.iter_mut().map(|target| PlaneTarget {
                     samples: target.samples.split_off_mut(..pixels).expect(HELD),
                     ..*target
                 });
-                Rows::Samples(top.collect())
+                PictureRows::Samples(top.collect())
             }
-            Rows::Bytes(bytes) => {
+            PictureRows::Bytes(bytes) => {
                 let top = bytes.split_off_mut(..pixels * layout.pixel_bytes);
-                Rows::Bytes(top.expect(HELD))
+                PictureRows::Bytes(top.expect(HELD))
             }
         }
     }
@@ -112,7 +112,7 @@ impl<'t> Rows<'t> {
         block: &[u16],
         area: &Area,
         rows: &Range<usize>,
-        layout: &Layout,
+        layout: &BandLayout,
     ) {
         let (x, width) = (area.columns.start, area.columns.len());
         let row_words = layout.pixel_bytes / 2 * width;
@@ -121,13 +121,13 @@ impl<'t> Rows<'t> {
             let words = &block[(y - area.rows.start) * row_words..][..row_words];
             let y = y - rows.start;
             match self {
-                Rows::Samples(planes) => {
-                    for Target { slot, samples } in planes {
+                PictureRows::Samples(planes) => {
+                    for PlaneTarget { slot, samples } in planes {
                         let row = &mut samples[y * layout.width + x..][..width];
                         slot.convert(&words[slot.before / 2 * width..], row);
                     }
                 }
-                Rows::Bytes(bytes) => {
+                PictureRows::Bytes(bytes) => {
                     let into = &mut bytes[y * layout.width * layout.pixel_bytes..];
                     copy_row(words, into, layout, &area.columns);
                 }
@@ -138,7 +138,7 @@ impl<'t> Rows<'t> {
 
 /// Copies the samples of a row of a block, which has the `columns`, into a row of a picture `width`
 /// wide; `sample_bytes` are those of each channel.
-fn copy_row(words: &[u16], into: &mut [u8], layout: &Layout, columns: &Range<usize>) {
+fn copy_row(words: &[u16], into: &mut [u8], layout: &BandLayout, columns: &Range<usize>) {
     let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
     let mut before = 0;
     for bytes in &layout.sample_bytes {
@@ -156,7 +156,7 @@ pub(super) fn is_dwa(compression: Compression) -> bool {
 pub(super) const COPIES: usize = 3;
 
 /// The words of bytes in the order of memory.
-fn words(bytes: &[u8]) -> Block {
+fn words(bytes: &[u8]) -> BlockWords {
     let (pairs, _) = bytes.as_chunks();
     pairs.iter().map(|&pair| u16::from_ne_bytes(pair)).collect()
 }
@@ -166,9 +166,9 @@ pub(super) fn decode_block(
     bytes: Vec<u8>,
     meta: &MetaData,
     part: usize,
-    place: Place,
+    place: BlockPlace,
     size: usize,
-) -> Parsed<Block> {
+) -> Parsed<BlockWords> {
     let header = &meta.headers[part];
     // Blocks that compression would not shrink are stored uncompressed.
     if OWN_CODEC && bytes.len() == size {
@@ -184,7 +184,12 @@ pub(super) fn decode_block(
 }
 
 /// Lets the `exr` crate decompress a block.
-fn decode_foreign(bytes: Vec<u8>, meta: &MetaData, part: usize, place: Place) -> Parsed<Block> {
+fn decode_foreign(
+    bytes: Vec<u8>,
+    meta: &MetaData,
+    part: usize,
+    place: BlockPlace,
+) -> Parsed<BlockWords> {
     let header = &meta.headers[part];
     if is_dwa(header.compression) {
         check_dwa_counters(&bytes, block_size(place, header)?, header)?;
@@ -213,21 +218,21 @@ fn part_name(index: usize, header: &Header) -> String {
     }
 }
 
-fn block_size(place: Place, header: &Header) -> Parsed<Vec2<usize>> {
+fn block_size(place: BlockPlace, header: &Header) -> Parsed<Vec2<usize>> {
     let tile = match place {
-        Place::Row(y) => header.get_scan_line_block_tile_coordinates(y)?,
-        Place::Tile(place) => tile_coordinates(place),
+        BlockPlace::Row(y) => header.get_scan_line_block_tile_coordinates(y)?,
+        BlockPlace::Tile(place) => tile_coordinates(place),
     };
     Ok(header.get_absolute_block_pixel_coordinates(tile)?.size)
 }
 
-fn compressed_block(compressed_pixels_le: Vec<u8>, place: Place) -> CompressedBlock {
+fn compressed_block(compressed_pixels_le: Vec<u8>, place: BlockPlace) -> CompressedBlock {
     match place {
-        Place::Row(y_coordinate) => CompressedBlock::ScanLine(CompressedScanLineBlock {
+        BlockPlace::Row(y_coordinate) => CompressedBlock::ScanLine(CompressedScanLineBlock {
             y_coordinate,
             compressed_pixels_le,
         }),
-        Place::Tile(place) => CompressedBlock::Tile(CompressedTileBlock {
+        BlockPlace::Tile(place) => CompressedBlock::Tile(CompressedTileBlock {
             coordinates: tile_coordinates(place),
             compressed_pixels_le,
         }),

@@ -4,7 +4,7 @@ use super::attributes::text_of_bytes;
 use super::compression::dwa_spoils;
 use super::decode::{OWN_CODEC, is_dwa};
 use super::fault::{Fault, Parsed};
-use super::write::{OutputType, ReadyPart, Source};
+use super::write::{OutputType, ReadyPart, SampleSource};
 use super::zip;
 use crate::frame::Plane;
 use crate::io::fence::fenced;
@@ -36,7 +36,7 @@ thread_local! {
 /// Incomplete blocks wait for the next rows, so the blocks do not depend on how the rows are divided.
 pub(super) struct Encoder {
     header: Header,
-    sources: Vec<Source>,
+    sources: Vec<SampleSource>,
     /// Rows of a block.
     pub(super) block_rows: usize,
     /// Rows taken, including those waiting.
@@ -160,12 +160,12 @@ impl Encoder {
                 let bytes = channel.sample_type.bytes_per_sample();
                 let laid = raw.split_off_mut(..bytes * width).expect(SIZED);
                 match *source {
-                    Source::Given(plane, sample_type) => {
+                    SampleSource::Given(plane, sample_type) => {
                         let row = strip.planes[plane].row(strip.rows.start + y);
                         let (row, count) = self.within_reach(channel, row);
                         clamped += count + lay_samples(&row, sample_type, &mut halves, laid);
                     }
-                    Source::Carried { before } => {
+                    SampleSource::Carried { before } => {
                         let row = &strip.kept[y * kept_bytes..][..kept_bytes];
                         laid.copy_from_slice(&row[before * width..][..bytes * width]);
                     }
@@ -195,7 +195,10 @@ impl Encoder {
         match self.header.compression {
             Compression::Uncompressed if OWN_CODEC => return Ok(raw.to_vec()),
             Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
-                let is_smooth = self.sources.iter().all(|s| matches!(s, Source::Given(..)));
+                let is_smooth = self
+                    .sources
+                    .iter()
+                    .all(|s| matches!(s, SampleSource::Given(..)));
                 return Ok(zip::compress(raw, is_smooth).unwrap_or_else(|| raw.to_vec()));
             }
             _ => {}

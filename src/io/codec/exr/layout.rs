@@ -1,6 +1,6 @@
 //! Division of a part's pixels into blocks.
 
-use super::chunks::Place;
+use super::chunks::BlockPlace;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::TileDescription;
 use ::exr::meta::header::Header;
@@ -11,7 +11,7 @@ const BATCH_BYTES: usize = 32 << 20;
 
 /// A part divided into bands over its full width, and those into blocks.
 #[derive(Debug, Clone)]
-pub(super) struct Layout {
+pub(super) struct BandLayout {
     /// Columns of the part.
     pub(super) width: usize,
     /// Rows of the part.
@@ -36,8 +36,8 @@ pub(super) struct Area {
     pub(super) rows: Range<usize>,
 }
 
-impl Layout {
-    pub(super) fn of(header: &Header) -> Layout {
+impl BandLayout {
+    pub(super) fn of(header: &Header) -> BandLayout {
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
         let (columns, rows, tiled) = match header.blocks {
             BlockDescription::ScanLines => {
@@ -49,7 +49,7 @@ impl Layout {
         };
         let channels = header.channels.list.iter();
         // A tile may be larger than the picture; its block is not.
-        Layout {
+        BandLayout {
             width,
             height,
             band_rows: rows.min(height),
@@ -114,10 +114,10 @@ impl Layout {
     }
 
     /// The place expected in the chunk of block `block` in band `band`.
-    pub(super) fn place(&self, band: usize, block: usize) -> Place {
+    pub(super) fn place(&self, band: usize, block: usize) -> BlockPlace {
         match self.tiled {
-            true => Place::Tile([block as i32, band as i32, 0, 0]),
-            false => Place::Row(self.top + (band * self.band_rows) as i32),
+            true => BlockPlace::Tile([block as i32, band as i32, 0, 0]),
+            false => BlockPlace::Row(self.top + (band * self.band_rows) as i32),
         }
     }
 }

@@ -1,14 +1,15 @@
 //! Adding channels to a part of a copy of a file.
 
 use super::chunks::ChunkReader;
-use super::decode::Rows;
+use super::decode::PictureRows;
 use super::fault::{Fault, Parsed};
 use super::header::TILED;
-use super::layout::Layout;
+use super::layout::BandLayout;
 use super::read::PartBlocks;
 use super::sink::ChunkSink;
 use super::write::{
-    PartDescription, ReadyPart, Source, channel_entry, set_added, sorted_channels, typed_header,
+    PartDescription, ReadyPart, SampleSource, channel_entry, set_added, sorted_channels,
+    typed_header,
 };
 use super::{ExrFile, OutputCompression};
 use crate::error::{Error, Result};
@@ -110,7 +111,7 @@ fn merged_channels(
     input: &ExrFile,
     part: usize,
     added: &PartDescription,
-) -> Result<(Vec<u8>, Vec<Source>)> {
+) -> Result<(Vec<u8>, Vec<SampleSource>)> {
     let list = &input.header.meta.headers[part].channels.list;
     let raw = input.header.parts[part].get("channels");
     let entries = raw.map_or(Vec::new(), |a| raw_entries(&a.value));
@@ -120,13 +121,13 @@ fn merged_channels(
     let mut channels = Vec::new();
     let mut before = 0;
     for (entry, channel) in entries.into_iter().zip(list) {
-        channels.push((entry.to_vec(), Source::Carried { before }));
+        channels.push((entry.to_vec(), SampleSource::Carried { before }));
         before += channel.sample_type.bytes_per_sample();
     }
     for i in sorted_channels(added)? {
         let (name, sample_type) = &added.channels[i];
         let entry = channel_entry(name, *sample_type);
-        channels.push((entry, Source::Given(i, *sample_type)));
+        channels.push((entry, SampleSource::Given(i, *sample_type)));
     }
     // An entry starts with the name and a zero byte, so the shorter of two names comes first.
     channels.sort_by(|(a, _), (b, _)| a.cmp(b));
@@ -196,7 +197,7 @@ pub(super) struct InputRows<'f> {
 impl<'f> InputRows<'f> {
     /// Opens a part of which no more than `rows` rows will be wanted at one time.
     pub(super) fn open(exr: &'f ExrFile, part: usize, rows: usize) -> Parsed<Self> {
-        let layout = Layout::of(&exr.header.meta.headers[part]);
+        let layout = BandLayout::of(&exr.header.meta.headers[part]);
         let stride = layout.width * layout.pixel_bytes;
         // Those rows, the rest of their first and last band, and the batches of the reader.
         exr.check_memory(rows as u128 * stride as u128 + 5 * layout.band_bytes())?;
@@ -220,7 +221,7 @@ impl<'f> InputRows<'f> {
         let passed = self.bytes.len() - (first - goal.start) * stride;
         self.bytes.drain(..passed);
         self.bytes.resize(goal.len() * stride, 0);
-        let missing = Rows::Bytes(&mut self.bytes[(first - goal.start) * stride..]);
+        let missing = PictureRows::Bytes(&mut self.bytes[(first - goal.start) * stride..]);
         let read = self.blocks.read(&mut self.chunks, first..goal.end, missing);
         read.map_err(|fault| fault.at(&self.chunks.exr.path))?;
         self.decoded = goal;

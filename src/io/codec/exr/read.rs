@@ -1,9 +1,9 @@
 //! Reading channels: whole, or some rows of them.
 
 use super::chunks::ChunkReader;
-use super::decode::{COPIES, Rows, Slot, Target, decode_block};
+use super::decode::{COPIES, PictureRows, PlaneTarget, Slot, decode_block};
 use super::fault::{Fault, Parsed};
-use super::layout::Layout;
+use super::layout::BandLayout;
 use super::{ChannelId, ExrFile};
 use crate::error::Result;
 use crate::frame::Plane;
@@ -61,18 +61,18 @@ impl ExrFile {
         let mut chunks = ChunkReader::open(self)?;
         for part in 0..self.parts.len() {
             let header = &self.header.meta.headers[part];
-            let targets: Vec<Target> = wanted
+            let targets: Vec<PlaneTarget> = wanted
                 .iter()
                 .zip(&mut planes)
                 .filter(|(id, _)| id.part == part)
-                .map(|(id, plane)| Target {
+                .map(|(id, plane)| PlaneTarget {
                     slot: Slot::of_channel(header, id.channel),
                     samples: plane.samples_mut(),
                 })
                 .collect();
             if !targets.is_empty() {
                 let blocks = PartBlocks::open(&mut chunks, part)?;
-                blocks.read(&mut chunks, rows_of(part), Rows::Samples(targets))?;
+                blocks.read(&mut chunks, rows_of(part), PictureRows::Samples(targets))?;
             }
         }
         Ok(planes)
@@ -127,20 +127,20 @@ impl ExrFile {
 
 /// Most bytes of the blocks of a part that are decoded at one time.
 pub(super) fn decoding_bytes(header: &Header) -> u128 {
-    let layout = Layout::of(header);
+    let layout = BandLayout::of(header);
     (COPIES * layout.bands_at_once()) as u128 * layout.band_bytes()
 }
 
 /// Offsets of the blocks of a part, at full resolution.
 pub(super) struct PartBlocks {
     part: usize,
-    pub(super) layout: Layout,
+    pub(super) layout: BandLayout,
     offsets: Vec<u64>,
 }
 
 impl PartBlocks {
     pub(super) fn open(chunks: &mut ChunkReader, part: usize) -> Parsed<Self> {
-        let layout = Layout::of(&chunks.exr.header.meta.headers[part]);
+        let layout = BandLayout::of(&chunks.exr.header.meta.headers[part]);
         // The full resolution comes first in every kind of file.
         let offsets = chunks.offsets(part, layout.blocks())?;
         Ok(PartBlocks {
@@ -155,7 +155,7 @@ impl PartBlocks {
         &self,
         chunks: &mut ChunkReader,
         rows: Range<usize>,
-        target: Rows,
+        target: PictureRows,
     ) -> Parsed<()> {
         let meta = &chunks.exr.header.meta;
         let mut bands = self.bands(target, &rows).into_iter();
@@ -188,12 +188,12 @@ impl PartBlocks {
     }
 
     /// Divides rows into bands, the first and the last of which may be partial.
-    fn bands<'t>(&self, mut target: Rows<'t>, rows: &Range<usize>) -> Vec<Band<'t>> {
+    fn bands<'t>(&self, mut target: PictureRows<'t>, rows: &Range<usize>) -> Vec<WantedBand<'t>> {
         let layout = &self.layout;
         let cut = |index: usize| {
             let whole = layout.rows_of(&(index..index + 1));
             let rows = whole.start.max(rows.start)..whole.end.min(rows.end);
-            Band {
+            WantedBand {
                 index,
                 target: target.split_off_top(rows.len(), layout),
                 rows,
@@ -220,7 +220,12 @@ impl PartBlocks {
         (0..per_band).map(block).collect()
     }
 
-    fn decode_band(&self, blocks: Vec<Vec<u8>>, band: &mut Band, meta: &MetaData) -> Parsed<()> {
+    fn decode_band(
+        &self,
+        blocks: Vec<Vec<u8>>,
+        band: &mut WantedBand,
+        meta: &MetaData,
+    ) -> Parsed<()> {
         let decode = |(i, bytes)| {
             let area = self.layout.area(band.index, i);
             let size = area.columns.len() * area.rows.len() * self.layout.pixel_bytes;
@@ -237,8 +242,8 @@ impl PartBlocks {
 }
 
 /// The wanted rows of one band.
-struct Band<'t> {
+struct WantedBand<'t> {
     index: usize,
     rows: Range<usize>,
-    target: Rows<'t>,
+    target: PictureRows<'t>,
 }

@@ -98,7 +98,7 @@ impl OutputPart<'_> {
 
 /// Where the samples of a channel come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum SampleSource {
     /// The plane given with this index.
     Given(usize, OutputType),
     /// A channel of the part that is added to: bytes of a pixel before it.
@@ -110,7 +110,7 @@ pub(super) struct ReadyPart {
     pub(super) attributes: Attributes,
     pub(super) header: Header,
     /// Where each channel comes from, sorted by name, as the file needs them.
-    pub(super) sources: Vec<Source>,
+    pub(super) sources: Vec<SampleSource>,
 }
 
 impl ReadyPart {
@@ -130,7 +130,7 @@ impl ReadyPart {
         let header = typed_header(&attributes, target)?;
         attributes.set_int("chunkCount", header.chunk_count as i32);
         attributes.sort();
-        let given = |&i: &usize| Source::Given(i, part.channels[i].1);
+        let given = |&i: &usize| SampleSource::Given(i, part.channels[i].1);
         Ok(ReadyPart {
             header,
             attributes,

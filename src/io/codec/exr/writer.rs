@@ -45,13 +45,13 @@ pub struct PartWriter<'a, W> {
     /// What is copied of another file, while the first blocks are compressed.
     copied: Option<Copied<'a>>,
     /// Blocks that wait to be written, while the next ones are compressed.
-    waiting: Vec<Block>,
+    waiting: Vec<PackedBlock>,
     /// The part that is added to.
     kept: Option<InputRows<'a>>,
 }
 
 /// A compressed block of rows.
-struct Block {
+struct PackedBlock {
     index: usize,
     /// Its first row.
     top: i32,
@@ -201,7 +201,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         })?;
         let compressed = compressed.expect("a scope ends after all that it spawned");
         let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
-        let placed = |(index, bytes)| Block {
+        let placed = |(index, bytes)| PackedBlock {
             index,
             top: self.top + (index * self.encoder.block_rows) as i32,
             bytes,
@@ -258,8 +258,8 @@ fn copy(
 fn write_blocks(
     out: &mut ChunkSink<impl Write + Seek>,
     part: usize,
-    blocks: Vec<Block>,
+    blocks: Vec<PackedBlock>,
 ) -> std::io::Result<()> {
     let mut blocks = blocks.into_iter();
-    blocks.try_for_each(|Block { index, top, bytes }| out.chunk(part, index, &[top], &bytes))
+    blocks.try_for_each(|PackedBlock { index, top, bytes }| out.chunk(part, index, &[top], &bytes))
 }

@@ -23,7 +23,7 @@ pub(in crate::io) use faults::unsupported;
 pub(in crate::io) use header::PhotoHeader;
 pub use metadata::PhotoMetadata;
 pub(in crate::io) use npz::{is_inside, pictures_in};
-pub(in crate::io) use stored::{Meaning, StoredPhoto};
+pub(in crate::io) use stored::{CodeMeaning, StoredPhoto};
 
 use crate::error::Result;
 use crate::frame::Plane;
@@ -54,7 +54,7 @@ impl Photo {
     /// [`crate::Error::Damaged`] and [`crate::Error::Io`].
     pub fn read(path: &Path) -> Result<Photo> {
         let stored = StoredPhoto::open(path, u64::MAX)?;
-        let mut channels = stored.planes(0..stored.header.height, Meaning::Stored)?;
+        let mut channels = stored.planes(0..stored.header.height, CodeMeaning::Stored)?;
         let alpha = if stored.header.has_alpha() {
             channels.pop()
         } else {
@@ -75,7 +75,7 @@ impl Photo {
         if self.is_float {
             return self.channels.clone();
         }
-        let linear = stored::values(self.bits, Meaning::Linear);
+        let linear = stored::values(self.bits, CodeMeaning::Linear);
         let max = max_code(self.bits) as f32;
         let lookup = |v: f32| linear[(v * max).round() as usize];
         let channels = self.channels.iter();
@@ -121,7 +121,7 @@ mod tests {
             (PictureFormat::Hdr, 8, false),
         ] {
             written(&path, format, bits, with_alpha);
-            for meaning in [Meaning::Stored, Meaning::Linear] {
+            for meaning in [CodeMeaning::Stored, CodeMeaning::Linear] {
                 let whole = StoredPhoto::open(&path, u64::MAX).unwrap();
                 let whole = whole.planes(0..7, meaning).unwrap();
                 assert_eq!(whole.len(), 3 + usize::from(with_alpha));
@@ -154,9 +154,12 @@ mod tests {
         written(&path, PictureFormat::Jpeg, 8, false);
         // 5 x 7 pixels of three bytes.
         let photo = StoredPhoto::open(&path, 5 * 7 * 3).unwrap();
-        assert!(photo.planes(0..1, Meaning::Linear).is_ok());
+        assert!(photo.planes(0..1, CodeMeaning::Linear).is_ok());
         let photo = StoredPhoto::open(&path, 5 * 7 * 3 - 1).unwrap();
-        let refused = photo.planes(0..1, Meaning::Linear).unwrap_err().to_string();
+        let refused = photo
+            .planes(0..1, CodeMeaning::Linear)
+            .unwrap_err()
+            .to_string();
         assert!(
             refused.contains("decoded whole") && !refused.contains('\n'),
             "{refused}"

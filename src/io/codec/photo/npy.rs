@@ -9,14 +9,14 @@ use std::path::Path;
 
 /// How a number is stored.
 #[derive(Clone, Copy)]
-pub(super) struct Number {
+pub(super) struct NumberFormat {
     /// `f`, `u` or `i`, or `b` for truth values.
     pub(super) kind: char,
     pub(super) bytes: usize,
     pub(super) is_little: bool,
 }
 
-impl Number {
+impl NumberFormat {
     /// The number in these bytes, 1 to 8.
     pub(super) fn read(self, bytes: &[u8]) -> f32 {
         let mut wide = [0_u8; 8];
@@ -46,7 +46,7 @@ pub(super) struct NpyHeader {
     /// Of each axis its size, and how many numbers its neighbours are apart.
     axes: Vec<(usize, usize)>,
     sizes: Vec<usize>,
-    pub(super) number: Number,
+    pub(super) number: NumberFormat,
 }
 
 /// The longest header that is read.
@@ -117,7 +117,7 @@ impl NpyHeader {
         Ok(Self {
             axes,
             sizes,
-            number: Number {
+            number: NumberFormat {
                 kind,
                 bytes,
                 is_little: order != Some('>'),

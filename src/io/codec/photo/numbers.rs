@@ -3,7 +3,7 @@
 //! since there is no grey of floats.
 
 use super::faults::{MAX_BYTES, damaged, unsupported};
-use super::npy::{NpyHeader, Number};
+use super::npy::{NpyHeader, NumberFormat};
 use super::npz;
 use crate::error::{Error, Result};
 use crate::io::open::open_buffered;
@@ -19,7 +19,7 @@ use tiff::tags::Tag;
 pub(super) const PAIR: ExtendedColorType = ExtendedColorType::Unknown(64);
 
 /// Where the samples are.
-enum Source {
+enum SamplesAt {
     /// Its codes may be those of luminance and of differences of colours.
     Tiff {
         decoder: Box<Decoder<BufReader<File>>>,
@@ -41,8 +41,8 @@ pub(super) struct Numbers {
     is_pair: bool,
     /// How far apart neighbours along x, y and the channels are stored.
     strides: [usize; 3],
-    number: Number,
-    source: Source,
+    number: NumberFormat,
+    source: SamplesAt,
 }
 
 impl Numbers {
@@ -86,7 +86,7 @@ impl Numbers {
         let mut first = |tag| first_of(&mut decoder, tag).map_err(&failed);
         let is_planar = first(Tag::PlanarConfiguration)? == Some(2);
         let is_alpha = matches!(first(Tag::ExtraSamples)?, Some(1 | 2));
-        let number = Number {
+        let number = NumberFormat {
             kind: match first(Tag::SampleFormat)? {
                 Some(2) => 'i',
                 Some(3) => 'f',
@@ -104,7 +104,7 @@ impl Numbers {
                 false => [channels, channels * width, 1],
             },
             number,
-            source: Source::Tiff {
+            source: SamplesAt::Tiff {
                 decoder: Box::new(decoder),
                 is_ycbcr,
             },
@@ -122,7 +122,7 @@ impl Numbers {
             is_pair: channels.0 == 2,
             strides: [columns.1, rows.1, channels.1],
             number: header.number,
-            source: Source::Raw {
+            source: SamplesAt::Raw {
                 file,
                 is_upward: false,
             },
@@ -157,12 +157,12 @@ impl Numbers {
             channels,
             is_pair: false,
             strides: [channels, channels * width, 1],
-            number: Number {
+            number: NumberFormat {
                 kind: 'f',
                 bytes: 4,
                 is_little: scale < 0.0,
             },
-            source: Source::Raw {
+            source: SamplesAt::Raw {
                 file: Box::new(file),
                 is_upward: true,
             },
@@ -192,7 +192,7 @@ impl Numbers {
             numbers.map(|bytes| number.read(bytes)).collect()
         };
         let samples = match &mut self.source {
-            Source::Tiff { decoder, is_ycbcr } => {
+            SamplesAt::Tiff { decoder, is_ycbcr } => {
                 let mut read = DecodingResult::U8(Vec::new());
                 let whole = decoder.read_image_to_buffer(&mut read);
                 whole.map_err(|e| said(&e))?;
@@ -208,7 +208,7 @@ impl Numbers {
                 }
                 samples
             }
-            Source::Raw { file, is_upward } => {
+            SamplesAt::Raw { file, is_upward } => {
                 let stored = bytes_of(file, count * number.bytes).map_err(|e| said(&e))?;
                 match is_upward {
                     true => {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// Meaning of integer samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::io) enum Meaning {
+pub(in crate::io) enum CodeMeaning {
     /// A share of the largest: normals, masks and other data.
     Stored,
     /// Light, encoded by the sRGB curve.
@@ -86,7 +86,11 @@ impl StoredPhoto {
     ///
     /// # Panics
     /// If it has fewer rows.
-    pub(in crate::io) fn planes(&self, rows: Range<usize>, meaning: Meaning) -> Result<Vec<Plane>> {
+    pub(in crate::io) fn planes(
+        &self,
+        rows: Range<usize>,
+        meaning: CodeMeaning,
+    ) -> Result<Vec<Plane>> {
         if self.header.bytes() <= self.most_bytes {
             let image = self.image()?;
             return Ok(self.planes_of(self.rows_of(&image, &rows), meaning));
@@ -108,7 +112,7 @@ impl StoredPhoto {
     pub(in crate::io) fn each_row(
         &self,
         rows: Range<usize>,
-        meaning: Meaning,
+        meaning: CodeMeaning,
         take: &mut dyn FnMut(usize, Vec<Plane>),
     ) -> Result<()> {
         let mut take = |y, samples: &[u8]| take(y, self.planes_of(samples, meaning));
@@ -192,12 +196,16 @@ impl StoredPhoto {
     }
 
     /// The planes of whole rows.
-    fn planes_of(&self, rows: &[u8], meaning: Meaning) -> Vec<Plane> {
+    fn planes_of(&self, rows: &[u8], meaning: CodeMeaning) -> Vec<Plane> {
         let header = &self.header;
         let (count, height) = (header.channels(), rows.len() / header.row_bytes());
         let plane = |channel: usize| {
             let is_alpha = header.has_alpha() && channel + 1 == count;
-            let meaning = if is_alpha { Meaning::Stored } else { meaning };
+            let meaning = if is_alpha {
+                CodeMeaning::Stored
+            } else {
+                meaning
+            };
             let place = (count, channel);
             let samples = match header.bits {
                 8 => {
@@ -218,22 +226,22 @@ impl StoredPhoto {
 }
 
 /// The value of each code of `bits` bits.
-pub(super) fn values(bits: u8, meaning: Meaning) -> &'static [f32] {
+pub(super) fn values(bits: u8, meaning: CodeMeaning) -> &'static [f32] {
     use std::sync::LazyLock;
     static TABLES: [LazyLock<Vec<f32>>; 4] = [
-        LazyLock::new(|| table(8, Meaning::Stored)),
-        LazyLock::new(|| table(16, Meaning::Stored)),
-        LazyLock::new(|| table(8, Meaning::Linear)),
-        LazyLock::new(|| table(16, Meaning::Linear)),
+        LazyLock::new(|| table(8, CodeMeaning::Stored)),
+        LazyLock::new(|| table(16, CodeMeaning::Stored)),
+        LazyLock::new(|| table(8, CodeMeaning::Linear)),
+        LazyLock::new(|| table(16, CodeMeaning::Linear)),
     ];
-    &TABLES[2 * usize::from(meaning == Meaning::Linear) + usize::from(bits == 16)]
+    &TABLES[2 * usize::from(meaning == CodeMeaning::Linear) + usize::from(bits == 16)]
 }
 
-fn table(bits: u8, meaning: Meaning) -> Vec<f32> {
+fn table(bits: u8, meaning: CodeMeaning) -> Vec<f32> {
     let max = max_code(bits);
     let value = |code| match meaning {
-        Meaning::Stored => code as f32 / max as f32,
-        Meaning::Linear => srgb::decoded(f64::from(code) / f64::from(max)) as f32,
+        CodeMeaning::Stored => code as f32 / max as f32,
+        CodeMeaning::Linear => srgb::decoded(f64::from(code) / f64::from(max)) as f32,
     };
     (0..=max).map(value).collect()
 }

@@ -1,7 +1,7 @@
 //! Planes as numbers: NumPy arrays, and TIFF of floats.
 
 use super::encoding::Encoding;
-use super::stored::{Stored, unwritten, write_tiff};
+use super::stored::{Storable, unwritten, write_tiff};
 use crate::error::{Error, Result};
 use crate::frame::Plane;
 use std::io::{Seek, Write};
@@ -90,7 +90,7 @@ impl Array {
         w: &mut (impl Write + Seek),
         encoding: &Encoding,
     ) -> image::ImageResult<()> {
-        let stored = Stored {
+        let stored = Storable {
             size: self.size.map(|side| side as u32),
             channels: self.channels,
             bits: 32,

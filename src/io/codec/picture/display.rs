@@ -41,7 +41,7 @@ pub enum Bright<'a> {
 
 /// A display mapping, with its per-picture constants.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shown<'a> {
+pub(super) struct DisplayMapping<'a> {
     /// The factor of its exposure.
     gain: f64,
     bright: Bright<'a>,
@@ -49,16 +49,16 @@ pub(super) struct Shown<'a> {
 
 impl<'a> Display<'a> {
     /// The mapping of light; `None` for the identity.
-    pub(super) fn shown(&self) -> Option<Shown<'a>> {
+    pub(super) fn shown(&self) -> Option<DisplayMapping<'a>> {
         let is_plain = self.exposure == 0.0 && matches!(self.bright, Bright::Clipped);
-        (!is_plain).then(|| Shown {
+        (!is_plain).then(|| DisplayMapping {
             gain: f64::from(self.exposure).exp2(),
             bright: self.bright,
         })
     }
 }
 
-impl Shown<'_> {
+impl DisplayMapping<'_> {
     /// The displayed colours of a group: `of` reads those of the picture that it was changed from, divided by alpha.
     #[inline]
     pub(super) fn group(&self, colors: &Colors, of: impl Fn(&ColorPlanes) -> Colors) -> Colors {
@@ -82,7 +82,7 @@ impl Shown<'_> {
 }
 
 #[cfg(feature = "cli")]
-impl Shown<'_> {
+impl DisplayMapping<'_> {
     /// Whether a colour is too bright to stay as it is, unless by clipping; `of` is the colour there of the picture that it was changed
     /// from.
     pub(super) fn compresses(

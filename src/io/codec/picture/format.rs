@@ -1,8 +1,8 @@
 //! Output pictures: content, format, and encoding of values.
 
-use super::display::{Display, Shown};
+use super::display::{Display, DisplayMapping};
 use super::encoding::Encoding;
-use super::stored::{Stored, write_hdr, write_jpeg, write_png, write_tiff};
+use super::stored::{Storable, write_hdr, write_jpeg, write_png, write_tiff};
 use crate::frame::{ColorPlanes, Plane};
 use image::ImageResult;
 use std::io::{Seek, Write};
@@ -65,7 +65,7 @@ impl PictureFormat {
     pub(super) fn write(
         self,
         w: &mut (impl Write + Seek),
-        stored: &Stored,
+        stored: &Storable,
         encoding: &Encoding,
     ) -> ImageResult<()> {
         match self {
@@ -139,7 +139,7 @@ impl<'a> Picture<'a> {
     }
 
     /// The mapping of light, if this picture is for a display and the mapping changes it.
-    pub(super) fn shown(&self) -> Option<Shown<'a>> {
+    pub(super) fn shown(&self) -> Option<DisplayMapping<'a>> {
         let is_shown = self.transform == ViewTransform::Srgb;
         self.display.shown().filter(|_| is_shown)
     }

@@ -1,12 +1,12 @@
 //! Samples in the layout of picture files, gathered by rows and encoded at once.
 
 use super::codes::code;
-use super::display::Shown;
+use super::display::DisplayMapping;
 use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
 use super::group::{GROUP, straight};
 use super::scale_bar::Bar;
-use super::stored::{Stored, unwritten};
+use super::stored::{Storable, unwritten};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::max_code;
@@ -115,7 +115,7 @@ impl Gathered {
             }
             return;
         }
-        let part = Part {
+        let part = CodedRows {
             picture: part,
             alpha,
             rows,
@@ -190,7 +190,7 @@ impl Gathered {
 
     fn encode(&self, w: &mut (impl Write + Seek), encoding: &Encoding) -> ImageResult<()> {
         let [width, height] = self.size;
-        let stored = Stored {
+        let stored = Storable {
             size: [width as u32, height as u32],
             channels: self.channels,
             bits: self.bits,
@@ -216,14 +216,14 @@ fn finite(v: f32) -> f32 {
 }
 
 /// Rows of a picture to be stored as codes up to `max`.
-pub(super) struct Part<'a> {
+pub(super) struct CodedRows<'a> {
     pub(super) picture: &'a Picture<'a>,
     pub(super) alpha: Option<&'a Plane>,
     pub(super) rows: Range<usize>,
     pub(super) max: u32,
 }
 
-impl Part<'_> {
+impl CodedRows<'_> {
     /// Adds the codes, `channels` of each pixel.
     pub(super) fn add_to<const BYTES: usize>(
         &self,
@@ -284,7 +284,12 @@ impl Part<'_> {
     }
 
     /// Red, green, blue and alpha of these columns of a row, as codes.
-    fn codes(&self, shown: Option<Shown>, y: usize, columns: Range<usize>) -> [[u16; GROUP]; 4] {
+    fn codes(
+        &self,
+        shown: Option<DisplayMapping>,
+        y: usize,
+        columns: Range<usize>,
+    ) -> [[u16; GROUP]; 4] {
         let (transform, max) = (self.picture.transform, self.max);
         let of = |color: [&Plane; 3]| straight(color, self.alpha, y, columns.clone(), max);
         let (mut color, alpha) = of(self.picture.primaries());

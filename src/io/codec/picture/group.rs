@@ -12,10 +12,10 @@ pub(super) fn clipped(v: f64) -> f64 {
 pub(super) const GROUP: usize = 16;
 
 /// A number of each pixel.
-pub(super) type Numbers = [f64; GROUP];
+pub(super) type PixelNumbers = [f64; GROUP];
 
 /// Red, green and blue of each pixel.
-pub(super) type Colors = [Numbers; 3];
+pub(super) type Colors = [PixelNumbers; 3];
 
 /// The colours made of each pixel's place and colour. If `make` has no branches or calls, the compiler takes several pixels
 /// at a time.
@@ -42,7 +42,7 @@ pub(super) fn straight(
     y: usize,
     columns: Range<usize>,
     max: u32,
-) -> (Colors, Numbers) {
+) -> (Colors, PixelNumbers) {
     let rows = color.map(|plane| &plane.row(y)[columns.clone()]);
     let mut color = [[0.0; GROUP]; 3];
     for (numbers, samples) in color.iter_mut().zip(rows) {
@@ -62,7 +62,7 @@ pub(super) fn straight(
 
 /// Puts samples in the first places.
 #[inline(always)]
-fn put(numbers: &mut Numbers, samples: &[f32]) {
+fn put(numbers: &mut PixelNumbers, samples: &[f32]) {
     for (number, &sample) in numbers.iter_mut().zip(samples) {
         *number = sample.into();
     }

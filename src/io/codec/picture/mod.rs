@@ -35,7 +35,7 @@ pub(crate) use whites::Whites;
 
 use crate::error::Result;
 use crate::io::photo::max_code;
-use gathered::Part;
+use gathered::CodedRows;
 use std::io::{Seek, Write};
 use std::path::Path;
 
@@ -107,7 +107,7 @@ fn codes<const BYTES: usize>(
     bits: u8,
     code: impl Fn(u16) -> [u8; BYTES] + Sync,
 ) -> Vec<u8> {
-    let part = Part {
+    let part = CodedRows {
         picture,
         alpha: picture.alpha,
         rows: 0..picture.color.r.height(),

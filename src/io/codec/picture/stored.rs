@@ -20,7 +20,7 @@ use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, S
 use tiff::{TiffError, TiffResult};
 
 /// A picture ready to be stored.
-pub(super) struct Stored<'a> {
+pub(super) struct Storable<'a> {
     /// Columns and rows.
     pub(super) size: [u32; 2],
     /// Samples of a pixel: 1, 3, or 4 with alpha; of floats 2 too, and 4 of any meaning.
@@ -38,7 +38,7 @@ pub(super) struct Stored<'a> {
 /// Writes a PNG.
 pub(super) fn write_png(
     w: &mut impl Write,
-    picture: &Stored,
+    picture: &Storable,
     encoding: &Encoding,
 ) -> ImageResult<()> {
     let [width, height] = picture.size;
@@ -94,7 +94,7 @@ fn texts(encoding: &Encoding) -> impl Iterator<Item = (&'static str, String)> {
 }
 
 /// Eight pixels to a byte, the first the highest bit; every row begins with a byte of its own.
-fn packed(picture: &Stored) -> Vec<u8> {
+fn packed(picture: &Storable) -> Vec<u8> {
     let width = picture.size[0].max(1) as usize;
     let byte = |pixels: &[u8]| {
         let bits = pixels.iter().enumerate();
@@ -107,7 +107,7 @@ fn packed(picture: &Stored) -> Vec<u8> {
 /// Writes a TIFF: one-bit pictures by CCITT Group 4, others uncompressed.
 pub(super) fn write_tiff(
     w: &mut (impl Write + Seek),
-    picture: &Stored,
+    picture: &Storable,
     encoding: &Encoding,
 ) -> ImageResult<()> {
     let [width, height] = picture.size;
@@ -178,7 +178,7 @@ const STRIP_BYTES: usize = 1 << 20;
 /// Tags of a TIFF for metadata.
 fn write_tags<W: Write + Seek>(
     file: &mut DirectoryEncoder<W, TiffKindStandard>,
-    picture: &Stored,
+    picture: &Storable,
     encoding: &Encoding,
 ) -> TiffResult<()> {
     if let Some([across, down]) = picture.dpi {
@@ -215,7 +215,7 @@ fn rational(dpi: f32) -> Rational {
 const WIDEST: u32 = i16::MAX as u32;
 
 /// Black and white as CCITT Group 4 (ITU-T T.6) has them.
-fn group_4(picture: &Stored) -> ImageResult<Vec<u8>> {
+fn group_4(picture: &Storable) -> ImageResult<Vec<u8>> {
     let width = picture.size[0];
     if width > WIDEST {
         let reason = format!("a bilevel TIFF is up to {WIDEST} pixels wide; write a .png");
@@ -265,7 +265,7 @@ fn refused(
     ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(format), reason))
 }
 
-pub(super) fn write_hdr(w: &mut impl Write, picture: &Stored) -> ImageResult<()> {
+pub(super) fn write_hdr(w: &mut impl Write, picture: &Storable) -> ImageResult<()> {
     let (floats, _) = picture.samples.as_chunks::<4>();
     let floats: Vec<f32> = floats.iter().map(|&v| f32::from_ne_bytes(v)).collect();
     let (pixels, _) = floats.as_chunks::<3>();
@@ -276,7 +276,7 @@ pub(super) fn write_hdr(w: &mut impl Write, picture: &Stored) -> ImageResult<()>
 
 pub(super) fn write_jpeg(
     w: &mut impl Write,
-    picture: &Stored,
+    picture: &Storable,
     encoding: &Encoding,
 ) -> ImageResult<()> {
     let [width, height] = picture.size;
@@ -431,7 +431,7 @@ mod tests {
     #[test]
     fn what_group_4_does_not_hold_is_refused() {
         let samples = vec![1; WIDEST as usize + 1];
-        let picture = Stored {
+        let picture = Storable {
             size: [WIDEST + 1, 1],
             channels: 1,
             bits: 1,

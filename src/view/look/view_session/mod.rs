@@ -2,7 +2,7 @@
 
 mod reading;
 
-use super::{Look, Said};
+use super::{Look, OneLine};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
@@ -26,20 +26,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A file, and the frame number if it is a sequence.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Reading {
+pub(crate) struct ShownFile {
     pub(crate) input: PathBuf,
     pub(crate) frame: Option<i32>,
 }
 
 /// Red, green, blue and alpha in 8 bits, not premultiplied: what a PNG would hold.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Pixels {
+pub(crate) struct ViewPixels {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) rgba: Vec<[u8; 4]>,
 }
 
-impl Pixels {
+impl ViewPixels {
     pub(crate) fn of(picture: &Picture) -> Self {
         Self {
             width: picture.color.r.width(),
@@ -159,10 +159,10 @@ impl ViewSession {
     pub(crate) fn make(
         &mut self,
         look: &Look,
-        reading: &Reading,
+        reading: &ShownFile,
         what: What,
         step: usize,
-    ) -> std::result::Result<(), Said> {
+    ) -> std::result::Result<(), OneLine> {
         self.make_beside(None, look, reading, what, step)
     }
 
@@ -172,8 +172,8 @@ impl ViewSession {
         &mut self,
         beside: &Self,
         look: &Look,
-        reading: &Reading,
-    ) -> Option<Pixels> {
+        reading: &ShownFile,
+    ) -> Option<ViewPixels> {
         self.make_beside(Some(beside), look, reading, What::Picture, 1)
             .ok()?;
         self.picture()
@@ -183,10 +183,10 @@ impl ViewSession {
         &mut self,
         beside: Option<&Self>,
         look: &Look,
-        reading: &Reading,
+        reading: &ShownFile,
         what: What,
         step: usize,
-    ) -> std::result::Result<(), Said> {
+    ) -> std::result::Result<(), OneLine> {
         self.made = None;
         let parsed = look.parse(&reading.input)?;
         let mut command = parsed.command;
@@ -261,8 +261,8 @@ impl ViewSession {
     pub(crate) fn recipe(
         &self,
         look: &Look,
-        reading: &Reading,
-    ) -> std::result::Result<String, Said> {
+        reading: &ShownFile,
+    ) -> std::result::Result<String, OneLine> {
         look.recipe(&reading.input, &self.chosen())
     }
 
@@ -290,7 +290,7 @@ impl ViewSession {
     }
 
     /// The last picture, as its file would show it.
-    pub(crate) fn picture(&self) -> Option<Pixels> {
+    pub(crate) fn picture(&self) -> Option<ViewPixels> {
         let made = self.made.as_ref()?;
         let (frame, outcome, work) = (self.frame()?, self.outcome()?, made.command.work());
         match made.what {
@@ -314,7 +314,7 @@ impl ViewSession {
     }
 
     /// The input picture, or the normals where there is none.
-    pub(crate) fn as_it_came(&self) -> Option<Pixels> {
+    pub(crate) fn as_it_came(&self) -> Option<ViewPixels> {
         let frame = self.frame()?;
         if let Some(color) = &frame.color {
             let work = self.made.as_ref()?.command.work();
@@ -332,16 +332,16 @@ impl ViewSession {
             g: half(&frame.normal.y),
             b: half(&frame.normal.z),
         };
-        Some(Pixels::of(&Picture::of(&normals, ViewTransform::None)))
+        Some(ViewPixels::of(&Picture::of(&normals, ViewTransform::None)))
     }
 
-    fn shown(&self, made: MadePicture, args: &WorkArgs) -> Pixels {
+    fn shown(&self, made: MadePicture, args: &WorkArgs) -> ViewPixels {
         let primaries = self.sitter.as_ref().expect(IN_HAND).loaded().chromaticities;
         let frame = self.frame().expect(IN_HAND);
         let params = &args.flags.params;
         let exposure = made.exposure(&params.display, &frame.mask);
         let shown = params.displayed(frame, primaries, made, 8, exposure);
-        Pixels::of(&shown.picture())
+        ViewPixels::of(&shown.picture())
     }
 
     /// Runs the stages for `what`, and returns the warnings about the settings; the frame's engine session then holds
@@ -394,8 +394,8 @@ mod tests {
     use std::path::Path;
 
     /// The picture of each command, as shown in the window.
-    fn pictures(session: &mut ViewSession) -> Vec<Pixels> {
-        let reading = Reading {
+    fn pictures(session: &mut ViewSession) -> Vec<ViewPixels> {
+        let reading = ShownFile {
             input: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr"),
             frame: None,
         };

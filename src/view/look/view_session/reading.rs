@@ -1,6 +1,6 @@
 //! Inputs of a look: files, read again only when the names change.
 
-use super::{OpenFrame, Reading, ViewSession};
+use super::{OpenFrame, ShownFile, ViewSession};
 use crate::command::commands::Command;
 use crate::engine::Session;
 use crate::error::Result;
@@ -33,7 +33,7 @@ impl ViewSession {
     pub(super) fn read(
         &mut self,
         command: &Command,
-        reading: &Reading,
+        reading: &ShownFile,
         beside: Option<&ViewSession>,
     ) -> Result<()> {
         let command = command.of_frame(reading.frame);

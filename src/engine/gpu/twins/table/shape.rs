@@ -187,10 +187,10 @@ fn crease(
 }
 
 /// Three rows of gradients left, here and right, and their conductances.
-type Rows = [([[f32; 2]; 3], [f32; 3]); 3];
+type GradientRows = [([[f32; 2]; 3], [f32; 3]); 3];
 
 /// Both components of the gradients of three rows, and their conductances.
-fn planes(rows: Rows) -> [[[f32; 3]; 3]; 3] {
+fn planes(rows: GradientRows) -> [[[f32; 3]; 3]; 3] {
     let component = |k: usize| rows.map(|(gradients, _)| gradients.map(|g| g[k]));
     [component(0), component(1), rows.map(|(_, open)| open)]
 }
@@ -215,16 +215,16 @@ fn curvature() -> Vec<Twin> {
         .within(&[(14, -1.0, 1.0)])
         .absolute(4.8e-7),
         twin("updated", &DIFFUSION, updated).with(&["time_step", "IS_EXPANSION"]),
-        twin("in_the_open", &HESSIAN, |rows: Rows| {
+        twin("in_the_open", &HESSIAN, |rows: GradientRows| {
             let [gx, gy, _] = planes(rows);
             in_the_open(gx, gy)
         }),
-        twin("plane_fit", &HESSIAN, |rows: Rows| {
+        twin("plane_fit", &HESSIAN, |rows: GradientRows| {
             let [gx, gy, open] = planes(rows);
             plane_fit(gx, gy, open)
         })
         .within(&OPEN),
-        twin("fitted", &HESSIAN, |rows: Rows| {
+        twin("fitted", &HESSIAN, |rows: GradientRows| {
             let [gx, gy, open] = planes(rows);
             fitted(gx, gy, open)
         })

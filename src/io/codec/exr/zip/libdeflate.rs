@@ -1,7 +1,7 @@
 //! zlib by libdeflate, a C library. For a render of 1920x1080 it reads eight channels of halves in nine tenths of the
 //! time of zlib-rs, and writes a picture in three quarters, 1.5 % smaller.
 
-use super::smooth::Way;
+use super::smooth::Coding;
 use libdeflater::{CompressionLvl, Compressor, Decompressor};
 use std::cell::RefCell;
 
@@ -9,7 +9,7 @@ use std::cell::RefCell;
 const LEVEL: i32 = 3;
 
 /// Ways that take less time than [`deflate`], the quickest first. The other one takes as much.
-pub(super) const QUICKER: [Way; 2] = [Way::Runs, Way::First];
+pub(super) const QUICKER: [Coding; 2] = [Coding::Runs, Coding::First];
 
 thread_local! {
     /// zlib's working state: costly to make, and reused by all blocks of a thread.

@@ -40,7 +40,7 @@ const HEADER: [u8; 2] = [0x78, 0x01];
 
 /// How a half of a block is compressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Way {
+pub(super) enum Coding {
     /// By runs alone.
     Runs,
     /// By the first repetition found, and codes that are given.
@@ -97,7 +97,7 @@ fn begun(by: &mut Deflate, bytes: &[u8], into: &mut [u8]) -> Option<usize> {
 pub(super) fn deflate(
     bytes: &[u8],
     into: &mut [u8],
-    quicker: &[Way],
+    quicker: &[Coding],
     by_all_means: impl Fn(&[u8], &mut [u8]) -> Option<usize>,
 ) -> Option<usize> {
     COMPRESSORS.with_borrow_mut(|by| match by.ways(bytes, into, quicker, &by_all_means) {
@@ -122,9 +122,9 @@ impl Compressors {
         &mut self,
         bytes: &[u8],
         into: &mut [u8],
-        quicker: &[Way],
+        quicker: &[Coding],
         by_all_means: impl Fn(&[u8], &mut [u8]) -> Option<usize>,
-    ) -> Option<[Way; 2]> {
+    ) -> Option<[Coding; 2]> {
         if bytes.len() < LEAST_BLOCK {
             return None;
         }
@@ -136,11 +136,11 @@ impl Compressors {
         let mut by_runs = [usize::MAX; 2];
         let found = quicker.iter().find_map(|&way| {
             let by_way = sizes(self.by(way), halves, into);
-            if way == Way::Runs {
+            if way == Coding::Runs {
                 by_runs = by_way;
             }
             let [low, high] = [0, 1].map(|half| match by_runs[half] <= by_way[half] {
-                true => (by_runs[half], Way::Runs),
+                true => (by_runs[half], Coding::Runs),
                 false => (by_way[half], way),
             });
             (low.0 + high.0 <= most).then_some([low.1, high.1])
@@ -166,7 +166,12 @@ impl Compressors {
     }
 
     /// Compresses either half by its way, into one zlib stream.
-    fn deflate(&mut self, bytes: &[u8], into: &mut [u8], [low, high]: [Way; 2]) -> Option<usize> {
+    fn deflate(
+        &mut self,
+        bytes: &[u8],
+        into: &mut [u8],
+        [low, high]: [Coding; 2],
+    ) -> Option<usize> {
         let mut size = HEADER.len();
         into.get_mut(..size)?.copy_from_slice(&HEADER);
         let middle = match low == high {
@@ -183,11 +188,11 @@ impl Compressors {
         Some(end)
     }
 
-    fn by(&mut self, way: Way) -> &mut Deflate {
+    fn by(&mut self, way: Coding) -> &mut Deflate {
         match way {
-            Way::Runs => &mut self.runs,
-            Way::First => &mut self.first,
-            Way::Coded => &mut self.coded,
+            Coding::Runs => &mut self.runs,
+            Coding::First => &mut self.first,
+            Coding::Coded => &mut self.coded,
         }
     }
 }
@@ -216,19 +221,19 @@ mod tests {
 
     /// Bytes to a way's liking: runs of 40, which are all that repeats; a pattern without runs; or parts of it between
     /// bytes of few values, which codes of their own make half as long.
-    fn liked_by(way: Way, count: usize, seed: u32) -> Vec<u8> {
+    fn liked_by(way: Coding, count: usize, seed: u32) -> Vec<u8> {
         let random = random(count, seed);
         let byte = |i: usize| match way {
-            Way::Runs if (i / 40).is_multiple_of(2) => 9,
-            Way::Runs => random[i],
-            Way::First => random[i % 100],
-            Way::Coded if (i / 64).is_multiple_of(2) => random[i] % 16,
-            Way::Coded => random[i % 64],
+            Coding::Runs if (i / 40).is_multiple_of(2) => 9,
+            Coding::Runs => random[i],
+            Coding::First => random[i % 100],
+            Coding::Coded if (i / 64).is_multiple_of(2) => random[i] % 16,
+            Coding::Coded => random[i % 64],
         };
         (0..count).map(byte).collect()
     }
 
-    const ALL: [Way; 3] = [Way::Runs, Way::First, Way::Coded];
+    const ALL: [Coding; 3] = [Coding::Runs, Coding::First, Coding::Coded];
 
     /// All means of zlib-rs, in builds with libdeflate too.
     fn by_all_means(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
@@ -238,7 +243,7 @@ mod tests {
 
     #[test]
     fn each_half_goes_its_way_and_comes_back() {
-        use Way::{Coded, First, Runs};
+        use Coding::{Coded, First, Runs};
         let mut by = Compressors::new();
         // One sample, and one in each of two parts.
         for count in [LEAST_BLOCK / 2, 2 * PART + 6] {

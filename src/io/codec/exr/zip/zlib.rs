@@ -1,12 +1,12 @@
 //! zlib by zlib-rs, in Rust alone.
 
-use super::smooth::{LEVEL, WINDOW_BITS, Way, compressed, deflate_by};
+use super::smooth::{Coding, LEVEL, WINDOW_BITS, compressed, deflate_by};
 use std::cell::RefCell;
 use zlib_rs::{Deflate, Inflate, InflateFlush, Status, Strategy};
 
 /// Ways that take less time than [`deflate`], the quickest first. The last makes 20 layers of shape of a noisy picture of
 /// 1920x1080 2 % larger than it does, and `shape` takes nine tenths of the time.
-pub(super) const QUICKER: [Way; 3] = [Way::Runs, Way::First, Way::Coded];
+pub(super) const QUICKER: [Coding; 3] = [Coding::Runs, Coding::First, Coding::Coded];
 
 thread_local! {
     /// zlib's working state: costly to make, and reused by all blocks of a thread.
