@@ -111,9 +111,9 @@ impl<'a> Job<'a> {
         self.index.is_some_and(|index| index > 0)
     }
 
-    /// Whether it is one of a sequence that is being made, rather than looked at.
+    /// Whether it is one of a sequence.
     pub(super) fn is_in_sequence(&self) -> bool {
-        self.index.is_some()
+        self.frame.is_some()
     }
 
     /// Runs `pass` after all frames before this one have passed the same point.

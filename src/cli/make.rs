@@ -53,7 +53,7 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
         true => Run::new().warn(&warn),
         false => Run::new().warn(&warn).progress(&tell),
     };
-    let moves = job.is_in_sequence() && work.motion().is_some();
+    let moves = job.index.is_some() && work.motion().is_some();
     // Motion is read beside the frame as it was.
     let small = (moves && times != 1.0).then(|| loaded.frame.clone());
     if times != 1.0 {

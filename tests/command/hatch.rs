@@ -50,6 +50,27 @@ fn renders_and_photos_are_drawn_with_every_tool() {
 }
 
 #[test]
+fn a_sequence_is_fitted_to_its_frames_as_they_are_drawn() {
+    // Without the planes behind a subject, in pen, as large as they are.
+    let desk = tempfile::tempdir().unwrap();
+    let levels = |input: &str, words: &str| {
+        hatch(
+            desk.path(),
+            input,
+            &format!("{words} --save-recipe look.toml -q"),
+        )
+        .done();
+        let recipe = std::fs::read_to_string(desk.path().join("look.toml")).unwrap();
+        let levels = recipe.lines().filter(|line| line.contains("-levels"));
+        levels.map(String::from).collect::<Vec<_>>()
+    };
+    let sequence = levels("wheel.####.exr", "--frames 1-1 -o out.####.png");
+    let alone = "--style pen --background strokes -o out.png";
+    assert_eq!(sequence, levels("wheel.0001.exr", alone));
+    assert_eq!(sequence.len(), 2);
+}
+
+#[test]
 fn an_svg_holds_lines_in_millimetres() {
     let desk = tempfile::tempdir().unwrap();
     let written = |flags: &str| {

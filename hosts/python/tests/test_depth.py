@@ -13,6 +13,8 @@ Image = pytest.importorskip("PIL.Image")
 CAMERA = {"focal_px": 90}
 GUESSED_CAMERA = "the camera is not known"
 GUESSED_NEAR = "white is taken for near"
+# Of an array alone: in the file the layer's own name tells nothing either, but it stands beside the picture.
+GUESSED_DISTANCE = "nothing says whether it is distance"
 GUESSED_HEIGHT = "how high heights are is not known"
 
 
@@ -31,9 +33,9 @@ def eight_bits(layer):
 @pytest.mark.parametrize(
     ("name", "stored", "settings", "guessed"),
     [
-        ("depth", lambda waves: 3 - waves, {}, [GUESSED_CAMERA]),
-        ("depth", lambda waves: 3 - waves, {"camera": CAMERA}, []),
-        ("depth", lambda waves: (3 - waves).astype(np.float16), {"camera": CAMERA}, []),
+        ("depth", lambda waves: 3 - waves, {}, [GUESSED_DISTANCE, GUESSED_CAMERA]),
+        ("depth", lambda waves: 3 - waves, {"camera": CAMERA}, [GUESSED_DISTANCE]),
+        ("depth", lambda waves: (3 - waves).astype(np.float16), {"camera": CAMERA}, [GUESSED_DISTANCE]),
         ("depth", lambda waves: 3 - waves, {"camera": CAMERA, "depth_kind": "distance"}, []),
         ("depth", lambda waves: waves, {}, [GUESSED_NEAR, GUESSED_CAMERA]),
         ("depth", eight_bits, {"camera": CAMERA}, [GUESSED_NEAR]),
