@@ -129,8 +129,8 @@ impl Drawer<'_> {
         steps as f32 * self.tool.step
     }
 
-    /// Whether a point of a line may stay: where ink is wanted, along the field from the one before, and not too close to
-    /// other lines.
+    /// Whether a point of a line may stay: where ink is wanted, along the field from the one before if there is one between
+    /// them, and not too close to other lines.
     fn stays(&self, before: Option<Vec2>, at: Vec2, (line, index): (u32, i32)) -> bool {
         let Some(ink) = self.ink_at(at) else {
             return false;
@@ -138,7 +138,7 @@ impl Drawer<'_> {
         let is_along = |before: Vec2| {
             let along = (at - before).normalize_or_zero();
             let field = self.direction(before.midpoint(at), along);
-            field.is_some_and(|field| field.dot(along) > MOST_TURN)
+            field.is_none_or(|field| field.dot(along) > MOST_TURN)
         };
         if !before.is_none_or(is_along) {
             return false;
@@ -234,6 +234,29 @@ mod tests {
                 middles.len()
             );
             assert!(anew < kept / 2, "{anew} of {kept}");
+        }
+    }
+
+    #[test]
+    fn a_still_drawing_stays_where_directions_turn_at_once() {
+        // Squares of 12 pixels, of directions 65 degrees apart: many lines begin and end at their borders, and a line that
+        // was begun where directions are mixed took the one there, not that of the step before.
+        let angle = |x: usize, y: usize| [10.0_f32, 75.0][(x / 12 + y / 12) % 2].to_radians();
+        let field = Vector2Planes {
+            x: Plane::from_fn(300, 300, |x, y| angle(x, y).cos()),
+            y: Plane::from_fn(300, 300, |x, y| angle(x, y).sin()),
+        };
+        let ink = Plane::from_fn(300, 300, |x, y| [0.3, 0.6, 0.0][(x / 7 + y / 9) % 3]);
+        let wanted = Wanted {
+            ink: &ink,
+            conductance: None,
+            cancel: None,
+        };
+        let pen = Tool::pen(1.4, 0.5, 20.0, 400.0);
+        for tool in [pen, Tool::burin([0.12, 1.9], 1.75, 400.0)] {
+            let (before, seeds) = streamlines(&field, wanted, &tool, &[]);
+            let still = moved(before.clone(), &seeds, Vec2::ZERO, &tool);
+            assert_eq!(streamlines(&field, wanted, &tool, &still), (before, seeds));
         }
     }
 }

@@ -194,11 +194,15 @@ impl Drawer<'_> {
             let (count, last) = (points.len(), points.len() - 1);
             let ahead = last as i32 - behind;
             let line = number as u32;
-            let [on, back] = [
-                (points[last], points[last] - points[last - 1]),
-                (points[0], points[0] - points[1]),
-            ]
-            .map(|(end, along)| (end, along.normalize()));
+            let ends = [(last, last - 1), (0, 1)].map(|(end, inner)| {
+                let outward = (points[end] - points[inner]).normalize();
+                // Where the line was begun it took the direction there, as it does in a drawing made anew.
+                let begun = self.direction(points[end], Vec2::X);
+                let begun = begun.filter(|_| behind == end as i32);
+                let ahead = begun.map_or(outward, |along| along.dot(outward).signum() * along);
+                (points[end], ahead)
+            });
+            let [on, back] = ends;
             self.half_line(&mut points, on, line, 1, ahead + 1..=half);
             let on = points.len() - count;
             points.reverse();
