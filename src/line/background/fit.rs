@@ -57,7 +57,7 @@ impl PlaneFit {
 
     /// Whether the value of a cell is on it, but for `slack` shares of [`TOLERANCE`] and the distance in cells over which
     /// values are the same.
-    fn holds(&self, [x, y]: [usize; 2], value: f32, (slack, same): (f32, f32)) -> bool {
+    pub(super) fn holds(&self, [x, y]: [usize; 2], value: f32, (slack, same): (f32, f32)) -> bool {
         (value - self.at(x, y)).abs() < slack * TOLERANCE * value.abs() + same * self.slope.length()
     }
 

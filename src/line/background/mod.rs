@@ -17,7 +17,7 @@ use crate::line::contours::network::Line;
 use crate::line::grid::cell_px;
 use crate::line::smooth_step::smooth_step;
 use fit::{Linear, PlaneFit};
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use regions::{closed, count, distances, large_pieces, opened};
 
 /// Shares of the picture's border and of the surface that planes of a background have at the least.
@@ -26,6 +26,11 @@ const LEAST_AREA: f32 = 0.1;
 
 /// The share of the surface beyond which planes are the subject.
 const ALL_PLANES: f32 = 0.92;
+
+/// Planes are the subject, too, if the cosine between their normals and the mean of these is less than this for most of them,
+/// 3 degrees, and nearly all else lies within this share of the distance of them: they are what a relief rises from.
+const EVEN: f64 = 0.9986;
+const RELIEF: f32 = 0.25;
 
 /// By how much more planes under parallel lines of sight have to cover to be preferred where there is no camera.
 const PREFERRED: f32 = 1.3;
@@ -78,6 +83,8 @@ pub(crate) struct Backdrop {
 
 /// The covered cells of a frame, with a value that is linear over planes.
 struct DepthCells {
+    /// The side of cells in pixels.
+    step: usize,
     mask: Mask,
     depth: Plane,
 }
@@ -101,6 +108,7 @@ impl DepthCells {
             }
         });
         Self {
+            step,
             mask: Mask::new(depth.map(|depth| !depth.is_nan())),
             depth,
         }
@@ -129,26 +137,75 @@ impl DepthCells {
         planes
     }
 
-    /// The rim of the subject where it stands: beside a plane that has its depth within reach.
+    /// Whether planes are those of a relief, uneven, with nothing far off them.
+    fn is_relief(
+        &self,
+        planes: &Plane<u8>,
+        (linear, fits): (Linear, &[Fitted]),
+        frame: &Frame,
+    ) -> bool {
+        let values = self.values(linear);
+        let (mut off, mut normals) = (Vec::new(), vec![Vec::new(); fits.len()]);
+        for y in 0..planes.height() {
+            for x in self.mask.runs(y).flatten() {
+                match usize::from(planes.at(x, y)).checked_sub(1) {
+                    Some(plane) => {
+                        let middle = |cell: usize, count: usize| {
+                            (cell * self.step + self.step / 2).min(count - 1)
+                        };
+                        let [x, y] = [
+                            middle(x, frame.mask.width()),
+                            middle(y, frame.mask.height()),
+                        ];
+                        normals[plane].push(frame.normal.at(x, y));
+                    }
+                    None => {
+                        let off_plane =
+                            |fit: &PlaneFit| (values.at(x, y) / fit.at(x, y) - 1.0).abs();
+                        let least = fits.iter().map(|(fit, _)| off_plane(fit));
+                        off.push(least.fold(f32::INFINITY, f32::min));
+                    }
+                }
+            }
+        }
+        let is_uneven = normals.iter().any(|normals| {
+            let mean = normals.iter().sum::<DVec3>().normalize_or_zero();
+            let turned = normals.iter().filter(|normal| normal.dot(mean) < EVEN);
+            2 * turned.count() > normals.len()
+        });
+        let far = quantile(&mut off, 0.95, f32::total_cmp);
+        let has_distances = !frame.source.heights && !is_relative(frame);
+        is_uneven && far.is_none_or(|far| far < RELIEF || !has_distances)
+    }
+
+    /// The rim of the subject where it stands: beside a plane that has its depth within reach, and that of the subject there.
     fn stands(
         &self,
         fits: &[Fitted],
         linear: Linear,
         [subject, behind]: [&Plane<bool>; 2],
-        size: f32,
+        (size, same): (f32, f32),
     ) -> Plane<bool> {
         let values = self.values(linear);
-        let beside_subject = distances(subject, RIM_CELLS);
-        let mut stands = Plane::filled(values.width(), values.height(), false);
+        let [width, height] = [values.width(), values.height()];
+        let mut stands = Plane::filled(width, height, false);
         for (fit, within) in fits {
-            let near = distances(within, RIM_CELLS);
             let slack = fit.slope.length() * STANDS_WITHIN * size;
-            for y in 0..values.height() {
+            let has_depth = |x: usize, y: usize, slack: f32| {
+                let [own, there] = [values.at(x, y), fit.at(x, y)];
+                (own - there).abs() < slack + ROUNDING * there.abs()
+            };
+            // A corner of the plane before its horizon lies on it, and is the rim of nothing. Within a few cells of its rim a
+            // ball leaves the plane.
+            let own = Plane::from_fn(width, height, |x, y| {
+                let is_on = fit.holds([x, y], values.at(x, y), (1.5, same));
+                subject.at(x, y) && !is_on && has_depth(x, y, RIM_CELLS * slack)
+            });
+            let both = [within, &own].map(|region| distances(region, RIM_CELLS));
+            for y in 0..height {
                 for x in self.mask.runs(y).flatten().filter(|&x| !behind.at(x, y)) {
-                    let both = [near.at(x, y), beside_subject.at(x, y)];
-                    let [own, there] = [values.at(x, y), fit.at(x, y)];
-                    let is_there = (own - there).abs() < slack + ROUNDING * there.abs();
-                    stands.row_mut(y)[x] |= is_there && both.iter().all(|d| d.is_finite());
+                    let is_beside = both.iter().all(|distance| distance.at(x, y).is_finite());
+                    stands.row_mut(y)[x] |= is_beside && has_depth(x, y, slack);
                 }
             }
         }
@@ -175,7 +232,8 @@ impl Backdrop {
             );
         }
         let behind = planes.map(|plane| plane > 0);
-        if count(&behind) > ALL_PLANES * cells.mask.count() as f32 {
+        let is_all = count(&behind) > ALL_PLANES * cells.mask.count() as f32;
+        if is_all || cells.is_relief(&planes, (linear, &fits), frame) {
             return None;
         }
         let beside = distances(&behind, 2.0);
@@ -183,7 +241,7 @@ impl Backdrop {
             cells.mask.at(x, y) && beside.at(x, y) > 1.0
         });
         let subject = large_pieces(&opened(&before, DETAIL * size), LEAST_PART * size * size);
-        let stands = cells.stands(&fits, linear, [&subject, &behind], size);
+        let stands = cells.stands(&fits, linear, [&subject, &behind], (size, same));
         let [far_from_subject, far_from_contact] = FARTHEST.map(|share| share * size);
         Some(Self {
             cell_px: step as f32,
@@ -204,6 +262,12 @@ impl Backdrop {
     /// The number of the plane of a cell, counted from 1, if it is in one.
     pub(crate) fn plane(&self, x: usize, y: usize) -> Option<u8> {
         Some(self.planes.at(x, y)).filter(|&plane| plane > 0)
+    }
+
+    /// Whether the subject stands beside this pixel of the frame.
+    pub(crate) fn is_contact(&self, [x, y]: [usize; 2]) -> bool {
+        let [x, y] = self.cell(Vec2::new(x as f32, y as f32));
+        self.to_contact.at(x, y) < STANDS_WITHIN * self.size
     }
 
     /// How many planes there are.
@@ -278,8 +342,7 @@ fn fitted(cells: &DepthCells, frame: &Frame, same: f32) -> Option<(Linear, Vec<F
     let area = |(_, planes): &(Linear, Vec<Fitted>)| -> f32 {
         planes.iter().map(|(_, within)| count(within)).sum()
     };
-    let is_relative = frame.source.depth_kind == DepthKind::Relative;
-    let camera = frame.camera.filter(|_| !is_relative);
+    let camera = frame.camera.filter(|_| !is_relative(frame));
     let found = match camera.map(|camera| camera.projection) {
         Some(Projection::Perspective { .. }) => found(Linear::InverseDepth),
         Some(Projection::Orthographic { .. }) => found(Linear::Depth),
@@ -292,6 +355,11 @@ fn fitted(cells: &DepthCells, frame: &Frame, same: f32) -> Option<(Linear, Vec<F
         }
     };
     Some(found).filter(|(_, planes)| !planes.is_empty())
+}
+
+/// Whether depth has neither an origin nor a unit.
+fn is_relative(frame: &Frame) -> bool {
+    frame.source.depth_kind == DepthKind::Relative
 }
 
 /// How far cells lie behind most of the subject, 0..1; nowhere under parallel lines of sight, where distances have no origin.
@@ -310,20 +378,25 @@ fn remote(depth: &Plane, subject: &Plane<bool>, linear: Linear) -> Plane {
 mod tests {
     use super::*;
     use crate::frame::Vector3Planes;
-    use glam::DVec3;
+    use glam::Vec3;
 
-    /// A floor one unit below a camera with its horizon in row 40, and a ball of 50 pixels before it that is nearer than
-    /// all of it. Bumps are a share of the distance.
-    fn floor_with_ball(bumps: f32) -> Frame {
-        let ball = |x: usize, y: usize| (x as f32 - 159.5).hypot(y as f32 - 69.5) < 50.0;
+    /// A floor one unit below a camera that sees 300 pixels to a unit of distance, with its horizon in row 40, and a ball of
+    /// half a unit three units away, 100 pixels wide, whose lowest point is above the floor by a `lift`. Bumps are a share of
+    /// the distance.
+    fn floor_with_ball(lift: f32, bumps: f32) -> Frame {
+        let centre = Vec3::new(0.0, lift - 0.5, 3.0);
+        let ball = |x: usize, y: usize| {
+            let ray = Vec3::new((x as f32 - 159.5) / 300.0, (39.5 - y as f32) / 300.0, 1.0);
+            let (a, b) = (ray.length_squared(), ray.dot(centre));
+            let root = b * b - a * (centre.length_squared() - 0.25);
+            (root > 0.0).then(|| (b - root.sqrt()) / a)
+        };
         let depth = Plane::from_fn(320, 240, |x, y| {
             let bump = bumps * (0.3 * x as f32).sin() * (0.3 * y as f32).sin();
-            match ball(x, y) {
-                true => 1.2,
-                false => 300.0 * (1.0 + bump) / (y as f32 - 39.5),
-            }
+            ball(x, y).unwrap_or(300.0 * (1.0 + bump) / (y as f32 - 39.5))
         });
-        let mask = Mask::new(Plane::from_fn(320, 240, |x, y| y >= 40 || ball(x, y)));
+        let is_seen = |x: usize, y: usize| y >= 40 || ball(x, y).is_some();
+        let mask = Mask::new(Plane::from_fn(320, 240, is_seen));
         let normal = Vector3Planes::from_fn(320, 240, |_, _| DVec3::Y);
         Frame {
             depth: Some(depth),
@@ -333,15 +406,16 @@ mod tests {
 
     #[test]
     fn a_floor_is_behind_the_ball_on_it_whatever_its_bumps() {
-        let even = Backdrop::of(&floor_with_ball(0.0), 1.0).expect("there is a floor");
-        let bumpy = Backdrop::of(&floor_with_ball(0.01), 1.0).expect("there is a floor");
+        let even = Backdrop::of(&floor_with_ball(0.0, 0.0), 1.0).expect("there is a floor");
+        let bumpy = Backdrop::of(&floor_with_ball(0.0, 0.01), 1.0).expect("there is a floor");
         for (x, y) in (0..240).flat_map(|y| (0..320).map(move |x| (x, y))) {
+            // Where the ball stands, its lowest tenth is no farther from the floor than a hundredth of the distance.
+            let near = (140..180).contains(&x) && (120..160).contains(&y);
             let on_floor = y >= 40 && even.to_subject.at(x, y) > 3.0;
-            assert!(
-                even.plane(x, y).is_some() == on_floor || even.to_subject.at(x, y) < 4.0,
-                "{x} {y}"
-            );
-            if on_floor {
+            if !near && even.to_subject.at(x, y) >= 4.0 {
+                assert_eq!(even.plane(x, y).is_some(), on_floor, "{x} {y}");
+            }
+            if on_floor && !near {
                 assert_eq!(even.plane(x, y), bumpy.plane(x, y), "{x} {y}");
             }
         }
@@ -352,7 +426,7 @@ mod tests {
     #[test]
     fn the_foot_of_an_object_is_its_own() {
         let is_card = |x: usize, y: usize| (220..280).contains(&x) && (120..200).contains(&y);
-        let mut frame = floor_with_ball(0.0);
+        let mut frame = floor_with_ball(0.0, 0.0);
         let depth = frame.depth.as_mut().expect("the frame has depth");
         // Upright: as far all over as the floor where it stands.
         depth.each_row(|y, row| {
@@ -371,5 +445,48 @@ mod tests {
             if is_card(x, y) { 2.0 } else { 1.0 }
         }));
         assert_eq!(taken(&frame), 0);
+    }
+
+    #[test]
+    fn a_ball_stands_below_its_middle_and_one_above_the_floor_nowhere() {
+        // Its middle is atan(0.5 / 3) = 9.5 degrees below the horizon, and its rim as far below that: in row
+        // 39.5 + 300 tan 18.9 = 142, where it is 2.84 units away and the floor 2.92. The dark line ends 277/60 = 4.6 cells on.
+        let stands = Backdrop::of(&floor_with_ball(0.0, 0.0), 1.0).expect("there is a floor");
+        let at = |x: usize, y: usize| stands.to_contact.at(x, y);
+        assert!(
+            stands.is_contact([160, 144]) && !stands.is_contact([160, 150]),
+            "{}",
+            at(160, 144)
+        );
+        // The corners between the ball and the horizon have the depth of the floor.
+        let corners = (40..60).flat_map(|y| (100..220).map(move |x| (x, y)));
+        corners.for_each(|(x, y)| assert!(at(x, y).is_infinite(), "{x} {y}"));
+        // Lifted by half its radius it is a quarter of a unit above the floor, a twelfth of the distance.
+        let lifted = Backdrop::of(&floor_with_ball(0.25, 0.0), 1.0).expect("there is a floor");
+        let floats = lifted
+            .to_contact
+            .samples()
+            .iter()
+            .all(|to| to.is_infinite());
+        assert!(floats);
+    }
+
+    #[test]
+    fn bosses_that_fill_the_frame_are_no_floor() {
+        // Bosses of 2.4 hundredths of the distance, whose flanks are within the tolerance of a plane through half of them.
+        let height =
+            |x: f32, y: f32| 24.0 * (0.5 + 0.5 * (x / 23.0).sin() * (y / 19.0).sin()).powi(2);
+        let depth = Plane::from_fn(320, 240, |x, y| 1000.0 - height(x as f32, y as f32));
+        let normal = Vector3Planes::from_fn(320, 240, |x, y| {
+            let (x, y) = (x as f32, y as f32);
+            let here = height(x, y);
+            let slopes = Vec2::new(height(x + 1.0, y) - here, here - height(x, y + 1.0));
+            -slopes.extend(-1.0).normalize().as_dvec3()
+        });
+        let relief = Frame {
+            depth: Some(depth),
+            ..Frame::of_normals(normal, Mask::full(320, 240))
+        };
+        assert!(Backdrop::of(&relief, 1.0).is_none());
     }
 }

@@ -3,6 +3,7 @@
 use super::Backdrop;
 use crate::line::drawing::is_drawn;
 use crate::params;
+use crate::plan::Plan;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
 use crate::product::Product;
@@ -32,6 +33,12 @@ pub(crate) static BACKGROUND: Stage = Stage {
     cpu: find,
     ..Stage::DEFAULT
 };
+
+/// Whether planes are looked for in a drawing whose tone shows the shape.
+pub(crate) fn seeks_planes(plan: &Plan) -> bool {
+    let moves = plan.available.in_sequence || plan.available.moving;
+    plan.available.depth && !moves && plan.specular.is_none()
+}
 
 fn find(run: &mut Execution) {
     let key = run.plan.key_without_scene(BACKGROUND.name);

@@ -25,7 +25,7 @@ const SHADOW_SMOOTHING: f32 = 1.0 / 90.0;
 const LIT_BETWEEN: [f32; 2] = [1.0 / 12.0, 1.0 / 4.0];
 
 /// The ink where the subject stands on a plane, and how far from there it fades, as a share of the picture's size.
-const CONTACT: f32 = 0.85;
+const CONTACT: f32 = 0.88;
 const CONTACT_REACH: f32 = 1.0 / 55.0;
 
 /// The share of ink that fades far behind the subject.

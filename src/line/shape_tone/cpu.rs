@@ -59,6 +59,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) params: &'a ToneParams,
     /// The planes behind the subject, if it has some.
     pub(crate) background: Option<&'a Backdrop>,
+    /// Whether they were looked for.
+    pub(crate) seeks_planes: bool,
 }
 
 /// The optical density, -ln of the share of light that is left, of the tone of every cell.
@@ -182,9 +184,9 @@ impl Cells<'_> {
             }
         });
         let ranks = ranks.unwrap_or_else(|| ranks_of(&balanced, &active, mask));
-        let plain = match shown.background {
-            Some(_) => None,
-            None => Some(plainness(mask, self.size, &turn, &active, conductance)),
+        let plain = match shown.seeks_planes {
+            true => None,
+            false => Some(plainness(mask, self.size, &turn, &active, conductance)),
         };
         let left_out = left_out(shown.params.background);
         let [mut ink] = map_covered(mask, self.memory, |y| {
@@ -466,6 +468,7 @@ mod tests {
             to_key: key_light(),
             params: &params,
             background: None,
+            seeks_planes: false,
         };
         let memory = Memory::default();
         let density = densities(&shown, &RunOptions::default(), &memory);
@@ -529,6 +532,7 @@ mod tests {
                 to_key: key_light(),
                 params: &params,
                 background: None,
+                seeks_planes: false,
             };
             let cells = densities(&shown, &options, &memory);
             let density = cells.of_pixels(mask, &memory);

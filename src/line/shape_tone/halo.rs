@@ -2,6 +2,7 @@
 
 use crate::frame::gap::scale::GapScale;
 use crate::frame::{DepthKind, Frame, Plane};
+use crate::line::background::Backdrop;
 use crate::params::SoftThreshold;
 use rayon::prelude::*;
 
@@ -15,12 +16,13 @@ const STEEPER: f32 = 1.5;
 const RIM: f32 = 0.5;
 
 /// Sets densities to 0 within a halo of this `factor` of the rim of an object in front of them: nearer by the gap that
-/// makes a silhouette.
+/// makes a silhouette. Where a subject stands on its `background` there is none.
 pub(super) fn leave_bare(
     densities: &mut Plane,
     frame: &Frame,
     silhouette: &Plane,
     (threshold, factor): (SoftThreshold, f32),
+    background: Option<&Backdrop>,
 ) {
     let size = frame.display_window.size_px();
     let reach = (factor * WIDTH * size).round() as usize;
@@ -45,8 +47,10 @@ pub(super) fn leave_bare(
             for (x, least) in span.zip(&*column) {
                 // NaN depth is behind nothing.
                 let behind = share * depth.at(x, y) - less;
+                let stands = || background.is_some_and(|planes| planes.is_contact([x, y]));
                 if *least < behind
                     && is_behind_rim(frame, depth, silhouette, [x, y], (reach, behind))
+                    && !stands()
                 {
                     row[x] = 0.0;
                 }

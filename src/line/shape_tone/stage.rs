@@ -3,6 +3,7 @@
 use super::cpu::{Shown, densities};
 use super::halo::leave_bare;
 use super::key_light;
+use crate::line::background::stage::seeks_planes;
 use crate::line::drawing::is_drawn;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
@@ -41,12 +42,13 @@ fn find(run: &mut Execution) {
             to_key: given.map_or_else(key_light, |light| light.to_light),
             params: &params.tone,
             background: run.canvas().background.as_ref(),
+            seeks_planes: seeks_planes(plan),
         };
         let cells = densities(&of, &run.runner.options, memory);
         let mut density = cells.of_pixels(&frame.mask, memory);
         if let Some(silhouette) = &shape.silhouette {
             let halo = (plan.shape.silhouette, params.tone.halo);
-            leave_bare(&mut density, frame, silhouette, halo);
+            leave_bare(&mut density, frame, silhouette, halo, of.background);
         }
         (density, cells.levels)
     });
