@@ -10,6 +10,7 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::line::background::Backdrop;
 use crate::line::density::LEAST_ALPHA;
 use crate::line::grid::{Grid, cell_px};
+use crate::line::smooth_step::smooth_step;
 use crate::params::{self, RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
 use crate::shape::diffusion::cpu::diffusion;
@@ -29,6 +30,24 @@ const LEAST_SMOOTHING: f32 = 1.2;
 
 /// Turn of the normal, in radians over the picture's size, that halves the smoothing of brightness.
 const SHARP_TURN: f32 = 18.0;
+
+/// A surface is flat that bends by less than this, in radians, where its normals are smoothed by this share of the picture's
+/// size: 2.5 degrees. A rock bends by 6, and a tablet by 4.
+const FLAT: f32 = 0.044;
+const FLAT_SHARE: f32 = 1.0 / 30.0;
+
+/// It has grain if half of all normals turn, smoothed by the second share, by less than this share of what half of them do
+/// smoothed by the first: of stone half, and of rendered forms three quarters and more.
+const GRAIN: f32 = 0.65;
+const GRAIN_SHARES: [f32; 2] = [1.0 / 900.0, 1.0 / 450.0];
+
+/// Between these turns, in usual ones, something is cut into grain: grain itself hardly turns by twice what is usual. One
+/// cell of a hundred turns by more than so many at the least: of an inscription by 11, and of bricks and rocks by 5. How wide
+/// what is cut is taken to be, as a share of the picture's size, and between which shares of such turns about it.
+const CUT: [f32; 2] = [2.0, 3.5];
+const MOST_CUT: f32 = 8.0;
+const CUT_SHARE: f32 = 1.0 / 170.0;
+const CUT_AROUND: [f32; 2] = [0.1, 0.35];
 
 /// How many cells are one where surroundings are found.
 const COARSE: usize = 4;
@@ -169,12 +188,19 @@ impl Cells<'_> {
 
     fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
         let (scales, ranks) = levels::given(shown.params.levels).unzip();
-        let turn = self.turn(seen);
+        let turn = self.turn(seen, TURN_SHARE);
         let (brightness, scales) = self.brightness(seen, shown, &turn, scales);
         let conductance = &seen.conductance;
         let (around, contrast) = self.around(&brightness, conductance);
-        let active = self.activity(&turn, conductance);
+        let mut active = self.activity(&turn, conductance);
         let mask = &self.grid.mask;
+        let cut = match shown.background {
+            Some(_) => None,
+            None => self.cut_into_grain(seen, &turn),
+        };
+        if let Some(cut) = &cut {
+            active.each_with(cut, |active, cut| *active *= cut);
+        }
         let [balanced] = map_covered(mask, self.memory, |y| {
             let (brightness, around) = (brightness.row(y), around.row(y));
             let (active, contrast) = (active.row(y), contrast.row(y));
@@ -184,9 +210,10 @@ impl Cells<'_> {
             }
         });
         let ranks = ranks.unwrap_or_else(|| ranks_of(&balanced, &active, mask));
-        let plain = match shown.seeks_planes {
-            true => None,
-            false => Some(plainness(mask, self.size, &turn, &active, conductance)),
+        let plain = match cut {
+            Some(cut) => Some(cut.map(|cut| 1.0 - cut)),
+            None if shown.seeks_planes => None,
+            None => Some(plainness(mask, self.size, &turn, &active, conductance)),
         };
         let left_out = left_out(shown.params.background);
         let [mut ink] = map_covered(mask, self.memory, |y| {
@@ -213,10 +240,11 @@ impl Cells<'_> {
 
     /// By how much normals turn from cell to cell at the most, in radians over the picture's size: the largest singular
     /// value of their derivative (Judd, Durand, Adelson 2007).
-    fn turn(&self, seen: &Seen) -> Plane {
+    /// Normals are smoothed by a `share` of the picture's size.
+    fn turn(&self, seen: &Seen, share: f32) -> Plane {
         let (mask, open) = (&self.grid.mask, &seen.before);
         let [x, y, z] = seen.normal.clone();
-        let sigma = (self.size * TURN_SHARE).max(1.0);
+        let sigma = (self.size * share).max(1.0);
         let zero = self.memory.plane(mask);
         let xy = self.spread(Vector2Planes { x, y }, open, sigma);
         let z = self.spread(Vector2Planes { x: z, y: zero }, open, sigma).x;
@@ -355,6 +383,55 @@ impl Cells<'_> {
         active
     }
 
+    /// How much cells are cut into a flat surface of grain, 0..1, as letters are; none if the surface is none such. Turns of
+    /// grain fall where normals are smoothed, and those of forms stay.
+    fn cut_into_grain(&self, seen: &Seen, turn: &Plane) -> Option<Plane> {
+        let mask = &self.grid.mask;
+        let is_flat = self.bend(seen) < FLAT;
+        let of = |turn: &Plane, percent| percentile(mask, percent, |x, y| Some(turn.at(x, y)));
+        let (usual, most) = of(turn, 50).zip(of(turn, 99)).filter(|_| is_flat)?;
+        if usual <= 0.0 || most < MOST_CUT * usual {
+            return None;
+        }
+        let [own, smooth] = GRAIN_SHARES.map(|share| of(&self.turn(seen, share), 50));
+        own.zip(smooth)
+            .filter(|(own, smooth)| *smooth < GRAIN * own)?;
+        let clear = turn.map(|turn| smooth_step(CUT, turn / usual));
+        let (zero, sigma) = (self.memory.plane(mask), self.size * CUT_SHARE);
+        let clear = self
+            .spread(Vector2Planes { x: clear, y: zero }, &seen.before, sigma)
+            .x;
+        Some(clear.map(|clear| smooth_step(CUT_AROUND, clear)))
+    }
+
+    /// By how much the surface as a whole bends: how far smooth normals are from their mean in the root mean square.
+    fn bend(&self, seen: &Seen) -> f32 {
+        let coarse = self.coarse();
+        let [x, y, z] = &seen.normal;
+        let normals = coarse.grid.means(&self.grid.mask, coarse.memory, |row| {
+            let [x, y, z] = [x, y, z].map(|plane| plane.row(row));
+            move |i| [x[i], y[i], z[i]]
+        });
+        let [x, y, z] = normals;
+        let mask = &coarse.grid.mask;
+        let (open, zero) = (
+            Plane::filled(mask.width(), mask.height(), 1.0),
+            coarse.memory.plane(mask),
+        );
+        let sigma = coarse.size * FLAT_SHARE;
+        let xy = coarse.spread(Vector2Planes { x, y }, &open, sigma);
+        let z = coarse
+            .spread(Vector2Planes { x: z, y: zero }, &open, sigma)
+            .x;
+        let cells = (0..mask.height()).flat_map(|y| mask.runs(y).flatten().map(move |x| [x, y]));
+        let normal = |[i, j]: [usize; 2]| {
+            Vec3::new(xy.x.at(i, j), xy.y.at(i, j), z.at(i, j)).normalize_or_zero()
+        };
+        let mean: Vec3 = cells.map(normal).sum::<Vec3>() / mask.count() as f32;
+        // Of unit vectors the mean is shorter by half of their mean square distance from it.
+        (2.0 * (1.0 - mean.length())).max(0.0).sqrt()
+    }
+
     /// Cells of which each holds several of these.
     fn coarse(&self) -> Self {
         Self {
@@ -446,14 +523,24 @@ fn ranks_of(brightness: &Plane, active: &Plane, mask: &Mask) -> Ranks {
 mod tests {
     use super::*;
     use crate::frame::{Mask, Vector3Planes};
+    use crate::line::random::Random;
     use crate::line::shape_tone::key_light;
     use glam::DVec3;
 
     /// The tone of normals in the key light alone, `closed` columns being edges.
     fn key_tone(normal: Vector3Planes, mask: Mask, closed: std::ops::Range<usize>) -> Plane {
+        key_tone_before(params::Background::Strokes, normal, mask, closed)
+    }
+
+    fn key_tone_before(
+        background: params::Background,
+        normal: Vector3Planes,
+        mask: Mask,
+        closed: std::ops::Range<usize>,
+    ) -> Plane {
         let (width, height) = (mask.width(), mask.height());
         let params = ToneParams {
-            background: crate::params::Background::Strokes,
+            background,
             ..ToneParams::default()
         };
         let is_closed = |x: usize| closed.contains(&x);
@@ -550,6 +637,40 @@ mod tests {
             off(&kept),
             off(&fit)
         );
+    }
+
+    #[test]
+    fn stone_is_quieter_than_what_is_cut_into_it() {
+        // Grain of single pixels, of which half is left where normals are smoothed by twice as much, and grooves 12 pixels
+        // wide with walls of 42 degrees: an eighth of the surface, of which one wall faces away from the key light.
+        let tone = |has_grooves: bool| {
+            let mut random = Random::new(7);
+            let mut grain = || 0.2 * (f64::from(random.unit()) - 0.5);
+            let normal = Vector3Planes::from_fn(900, 900, |x, _| {
+                let wall = match (has_grooves, x % 96) {
+                    (true, 0..6) => 0.9,
+                    (true, 6..12) => -0.9,
+                    _ => 0.0,
+                };
+                DVec3::new(wall + grain(), grain(), 1.0).normalize()
+            });
+            let (plain, mask) = (params::Background::Plain, Mask::full(900, 900));
+            let tone = key_tone_before(plain, normal, mask, 0..0);
+            let mean = |columns: std::ops::Range<usize>| {
+                let at = |y: usize| columns.clone().map(move |x| (x, y));
+                let count = 600.0 * columns.len() as f32;
+                (150..750)
+                    .flat_map(at)
+                    .map(|(x, y)| tone.at(x + 384, y))
+                    .sum::<f32>()
+                    / count
+            };
+            [mean(1..5), mean(40..80)]
+        };
+        let ([groove, stone], [_, alone]) = (tone(true), tone(false));
+        assert!(stone > 0.9 && groove < 0.4, "{stone} {groove}");
+        // Grain alone is what there is to draw.
+        assert!(alone < 0.75, "{alone}");
     }
 
     #[test]
