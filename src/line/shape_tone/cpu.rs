@@ -31,10 +31,10 @@ const LEAST_SMOOTHING: f32 = 1.2;
 /// Turn of the normal, in radians over the picture's size, that halves the smoothing of brightness.
 const SHARP_TURN: f32 = 18.0;
 
-/// A surface is flat that bends by less than this, in radians, where its normals are smoothed by this share of the picture's
-/// size: 2.5 degrees. A rock bends by 6, and a tablet by 4.
-const FLAT: f32 = 0.044;
-const FLAT_SHARE: f32 = 1.0 / 30.0;
+/// A surface is flat that bends by less than this, in radians, between means of normals over squares of this share of the
+/// picture's size: 3 degrees. Rocks and tablets bend by twice as much.
+const FLAT: f32 = 0.052;
+const FLAT_SHARE: f32 = 1.0 / 15.0;
 
 /// It has grain if half of all normals turn, smoothed by the second share, by less than this share of what half of them do
 /// smoothed by the first: of stone half, and of rendered forms three quarters and more.
@@ -404,32 +404,21 @@ impl Cells<'_> {
         Some(clear.map(|clear| smooth_step(CUT_AROUND, clear)))
     }
 
-    /// By how much the surface as a whole bends: how far smooth normals are from their mean in the root mean square.
+    /// By how much the surface as a whole bends: how far means of normals are from their own in the root mean square.
     fn bend(&self, seen: &Seen) -> f32 {
-        let coarse = self.coarse();
+        let blocks = Grid::new(&self.grid.mask, (FLAT_SHARE * self.size).max(1.0) as usize);
         let [x, y, z] = &seen.normal;
-        let normals = coarse.grid.means(&self.grid.mask, coarse.memory, |row| {
+        let means = blocks.means(&self.grid.mask, self.memory, |row| {
             let [x, y, z] = [x, y, z].map(|plane| plane.row(row));
             move |i| [x[i], y[i], z[i]]
         });
-        let [x, y, z] = normals;
-        let mask = &coarse.grid.mask;
-        let (open, zero) = (
-            Plane::filled(mask.width(), mask.height(), 1.0),
-            coarse.memory.plane(mask),
-        );
-        let sigma = coarse.size * FLAT_SHARE;
-        let xy = coarse.spread(Vector2Planes { x, y }, &open, sigma);
-        let z = coarse
-            .spread(Vector2Planes { x: z, y: zero }, &open, sigma)
-            .x;
-        let cells = (0..mask.height()).flat_map(|y| mask.runs(y).flatten().map(move |x| [x, y]));
-        let normal = |[i, j]: [usize; 2]| {
-            Vec3::new(xy.x.at(i, j), xy.y.at(i, j), z.at(i, j)).normalize_or_zero()
-        };
-        let mean: Vec3 = cells.map(normal).sum::<Vec3>() / mask.count() as f32;
+        let normal = |x, y| Vec3::from(means.each_ref().map(|mean| mean.at(x, y)));
+        let rows = 0..blocks.mask.height();
+        let cells = rows.flat_map(|y| blocks.mask.runs(y).flatten().map(move |x| (x, y)));
+        let sum: Vec3 = cells.map(|(x, y)| normal(x, y).normalize_or_zero()).sum();
         // Of unit vectors the mean is shorter by half of their mean square distance from it.
-        (2.0 * (1.0 - mean.length())).max(0.0).sqrt()
+        let length = sum.length() / blocks.mask.count() as f32;
+        (2.0 * (1.0 - length)).max(0.0).sqrt()
     }
 
     /// Cells of which each holds several of these.
