@@ -300,7 +300,8 @@ impl Backdrop {
     fn is_inside(&self, at: Vec2) -> bool {
         let reach = self.cell_px * (GAP * self.size).max(2.0);
         let around = [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y];
-        let there = around.map(|way| self.planes.nearest(at + reach * way));
+        let cells = around.map(|way| self.cell(at + reach * way));
+        let there = cells.map(|[x, y]| self.planes.at(x, y));
         there[0] > 0 && there.iter().all(|&plane| plane == there[0])
     }
 }
