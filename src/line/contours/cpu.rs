@@ -182,8 +182,7 @@ fn drop_short(lines: &mut Vec<Line>, least: Least) {
     let mut parts: BTreeMap<usize, (f32, f32)> = BTreeMap::new();
     for line in lines.iter() {
         let (length, strongest) = parts.entry(line.part).or_default();
-        let sum: f32 = line.spots.iter().map(|spot| spot.strength).sum();
-        let strength = sum / line.spots.len() as f32;
+        let strength = line.strength();
         *length += line.length() * if least.by_strength { strength } else { 1.0 };
         *strongest = line
             .spots

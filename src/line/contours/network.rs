@@ -472,6 +472,11 @@ impl Line {
         length(&self.points(), self.closed)
     }
 
+    /// The mean strength along the line.
+    pub(crate) fn strength(&self) -> f32 {
+        self.spots.iter().map(|spot| spot.strength).sum::<f32>() / self.spots.len() as f32
+    }
+
     /// The outward unit direction of the line at its first (`end` 0) or last (1) spot.
     pub(crate) fn direction_out(&self, end: usize) -> Vec2 {
         direction_at(&self.spots, end * (self.spots.len() - 1))

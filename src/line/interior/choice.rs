@@ -37,6 +37,11 @@ const TURNING: [f32; 2] = [0.5, 0.75];
 const SHARP_RANK: f64 = 0.75;
 const SHARPER: f32 = 2.5;
 
+/// Spots of a piece of a line, and how much a line at the least strength may turn to and fro, in radians from piece to
+/// piece, before it has to persist twice as much.
+const PIECE: usize = 4;
+const WAVERING: f32 = 0.2;
+
 /// Pixels to either side searched for the curvature of the coarser scale.
 const LOOKED_FOR: f32 = 2.0;
 
@@ -54,6 +59,8 @@ pub(super) struct Roughness<'a> {
     coarse: &'a Plane,
     /// The part of a line's curvature that has to be left at the coarser scale.
     persistent: f32,
+    /// Strength that a line has somewhere at the least.
+    plain: f32,
     /// Strength from which persistence is not required.
     sharp: f32,
 }
@@ -79,6 +86,7 @@ impl<'a> Roughness<'a> {
             fine,
             coarse,
             persistent: PERSISTENT + rough * (PERSISTENT_IF_ROUGH - PERSISTENT),
+            plain: sizes.thresholds[1],
             sharp: sizes.sharp.max(rough * SHARPER * usual * sizes.picture),
         }
     }
@@ -92,7 +100,22 @@ impl<'a> Roughness<'a> {
             let there = around.map(|offset| 0.5 * self.coarse.nearest(0.5 * (spot.at + offset)));
             there.fold(0.0, f32::max) / self.fine.nearest(spot.at).max(f32::MIN_POSITIVE)
         });
-        (strength(line) / self.sharp).max(median(shares.collect()) / self.persistent)
+        let persistent = self.persistent * self.wavering(line);
+        (line.strength() / self.sharp).max(median(shares.collect()) / persistent)
+    }
+
+    /// By how much more a line has to persist as it winds along bumps, which a faint one is more likely to do.
+    fn wavering(&self, line: &Line) -> f32 {
+        let turns = line.spots.windows(2 * PIECE + 1).map(|spots| {
+            let [a, b, c] = [0, PIECE, 2 * PIECE].map(|i| spots[i].at);
+            (b - a).angle_to(c - b)
+        });
+        let (sum, all) = turns.fold((0.0, 0.0), |(sum, all), turn| {
+            (sum + turn, all + turn.abs())
+        });
+        // What a bend turns by does not count.
+        let to_and_fro = (all - sum.abs()) / line.spots.len() as f32;
+        1.0 + self.plain / line.strength() * (to_and_fro / WAVERING).powi(2)
     }
 }
 
@@ -148,7 +171,7 @@ pub(super) fn chosen(
         } = line;
         for part in free_parts(line, &taken[number(kind)]) {
             let own = part.length();
-            let (shortest, worth) = (shortest(kind, sizes), strength(&part) * (own + beyond));
+            let (shortest, worth) = (shortest(kind, sizes), part.strength() * (own + beyond));
             if own < shortest || worth < sizes.worth || length + own > longest {
                 continue;
             }
@@ -196,12 +219,7 @@ fn worth(line: &Interior) -> f32 {
     } else {
         1.0
     };
-    share * strength(&line.line) * (line.line.length() + line.beyond)
-}
-
-/// The mean strength along a line.
-fn strength(line: &Line) -> f32 {
-    line.spots.iter().map(|spot| spot.strength).sum::<f32>() / line.spots.len() as f32
+    share * line.line.strength() * (line.line.length() + line.beyond)
 }
 
 /// The parts of a line not near a drawn one; all of it if next to nothing is near.
@@ -236,4 +254,45 @@ fn free_parts(line: Line, taken: &Plane<bool>) -> Vec<Line> {
         from = to;
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::contours::network::Spot;
+
+    #[test]
+    fn faint_lines_do_not_waver() {
+        // Of the curvature 0.5 * 0.8 = 0.4 is left at the coarser scale: 4/3 of what is required.
+        let (fine, coarse) = (Plane::filled(99, 99, 1.0), Plane::filled(50, 50, 0.8));
+        let roughness = Roughness {
+            fine: &fine,
+            coarse: &coarse,
+            persistent: 0.3,
+            plain: 22.0,
+            sharp: 220.0,
+        };
+        let formed = |strength: f32, at: fn(f32) -> Vec2| {
+            let spot = |i: u8| Spot {
+                at: at(f32::from(i)),
+                strength,
+                log_depth: 0.0,
+                is_beside: false,
+            };
+            roughness.formed(&Line {
+                spots: (0..81).map(spot).collect(),
+                closed: false,
+                ends: [End::Free; 2],
+                part: 0,
+            })
+        };
+        let arc = |i: f32| Vec2::new(50.0, 50.0) + 30.0 * Vec2::from_angle(i / 30.0);
+        assert!((formed(22.0, arc) - 4.0 / 3.0).abs() < 1e-2);
+        // Up and down by a half for four spots each: pieces of four turn by 2 atan(1/2), 2 atan(1/4), 0 and 2 atan(1/4) in
+        // turn, 0.477 on average, at 73 of 81 spots: the line has to persist 1 + (0.43/0.2)^2 = 5.6 times as much.
+        let wave = |i: f32| Vec2::new(i + 5.0, 50.0 + 0.5 * (i % 8.0 - 4.0).abs());
+        assert!((formed(22.0, wave) - 0.238).abs() < 0.02);
+        // Sharp as a cut it may.
+        assert!(formed(330.0, wave) >= 1.5);
+    }
 }
