@@ -22,6 +22,9 @@ const ASIDE_PX: f32 = 3.0;
 /// Smallest cosine of the angle between a line's direction and a silhouette that it is led to.
 const AHEAD: f32 = 0.4;
 
+/// Silhouettes this many times as long as the shortest are drawn however faint: noise makes short ones.
+const LONG: f32 = 4.0;
+
 /// Creases are drawn from this many times the length of silhouettes on: a hollow darker than its surroundings is
 /// visible without a line, and a rough surface is full of short ones.
 const CREASE_LENGTHS: f32 = 2.0;
@@ -44,6 +47,7 @@ pub(crate) fn contours(
     let least = Least {
         length_px: params.shortest_px,
         strength: strength_of_gap(shape.silhouette.hi),
+        long_px: LONG * params.shortest_px,
         by_strength: false,
     };
     drop_short(&mut silhouettes, least);
@@ -69,6 +73,7 @@ pub(crate) fn contours(
         let least = Least {
             length_px: CREASE_LENGTHS * params.shortest_px,
             strength: PLAIN_CREASE,
+            long_px: f32::INFINITY,
             by_strength: true,
         };
         drop_short(&mut creases, least);
@@ -132,6 +137,7 @@ fn between_objects<'a>(
     let least = Least {
         length_px: CREASE_LENGTHS * params.shortest_px,
         strength: 0.0,
+        long_px: 0.0,
         by_strength: false,
     };
     drop_short(&mut lines, least);
@@ -166,8 +172,10 @@ fn run_off(line: &mut Line, by_px: f32) {
 struct Least {
     /// Length of a network in all, and twice that of a branch that ends in the open.
     length_px: f32,
-    /// Strength that a network has somewhere.
+    /// Strength that a network has somewhere, unless it is long.
     strength: f32,
+    /// Length from which on it may be faint.
+    long_px: f32,
     /// Whether lengths are weighted by strength: a rough surface is full of blunt creases.
     by_strength: bool,
 }
@@ -191,6 +199,6 @@ fn drop_short(lines: &mut Vec<Line>, least: Least) {
     }
     lines.retain(|line| {
         let (length, strongest) = parts[&line.part];
-        length >= least.length_px && strongest >= least.strength
+        length >= least.length_px && (strongest >= least.strength || length >= least.long_px)
     });
 }
