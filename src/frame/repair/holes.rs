@@ -33,6 +33,9 @@ const FEWEST_PAIRS: usize = 2;
 /// straight outline.
 const FEWEST_BESIDE: usize = 4;
 
+/// The most samples missing of the 25 within two columns and rows of one along an outline: a cluster of two by three.
+const MOST_MISSING: usize = 6;
+
 /// By how much the cosines of angles between a sample's normal and those of one surface differ at most.
 const ALIKE: f64 = 0.1;
 
@@ -230,27 +233,26 @@ fn surface_at(
 }
 
 /// The depth of the surface beside a missing sample that its normal resembles most: the mean of the neighbours that show
-/// it. Three of four neighbours must have depth. Where one shows nothing the pixel may show nothing too: there four
-/// neighbours must show the surface, and the sample's normal must be about as long as theirs.
+/// it. Few may be missing around. Where a neighbour shows nothing the pixel may show nothing too: there four neighbours
+/// must show the surface, and the sample's normal must be about as long as theirs.
 fn surface_beside(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> Option<f32> {
     let here = direction(normal, x, y)?;
-    let around = OPPOSITE
-        .iter()
-        .flat_map(|&[dx, dy]| [[dx, dy], [-dx, -dy]])
-        .map(|[dx, dy]| [x.wrapping_add_signed(dx), y.wrapping_add_signed(dy)])
-        .filter(|&[x, y]| x < depth.width() && y < depth.height());
-    let (mut count, mut is_amid) = (0, true);
+    let near =
+        |at: usize, by: usize, length: usize| at.saturating_sub(by)..(at + by + 1).min(length);
+    let square = |by: usize| {
+        let rows = near(y, by, depth.height());
+        rows.flat_map(move |y| near(x, by, depth.width()).map(move |x| [x, y]))
+    };
+    let is_missing = |[x, y]: &[usize; 2]| !is_distance(depth.at(*x, *y));
+    let mut is_amid = true;
     let mut shown = Vec::with_capacity(8);
-    for at @ [x, y] in around {
-        count += 1;
-        let sample = depth.at(x, y);
+    for at @ [x, y] in square(1) {
         match direction(normal, x, y) {
-            Some(n) if is_distance(sample) => shown.push((at, n.dot(here), sample)),
+            Some(n) if !is_missing(&at) => shown.push((at, n.dot(here), depth.at(x, y))),
             Some(_) => {}
             None => is_amid = false,
         }
     }
-    let is_surrounded = 4 * shown.len() >= 3 * count;
     let &(_, best, of_best) = shown.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     shown.retain(|&(_, cosine, sample)| {
         cosine > best - ALIKE && (sample / of_best - 1.0).abs() <= SAME_SURFACE
@@ -258,7 +260,7 @@ fn surface_beside(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> 
     let lengths = shown.iter().map(|([x, y], ..)| normal.at(*x, *y).length());
     let length = lengths.sum::<f64>() / shown.len() as f64;
     let is_shown = match is_amid {
-        true => is_surrounded,
+        true => 25 * square(2).filter(is_missing).count() <= MOST_MISSING * square(2).count(),
         false => shown.len() >= FEWEST_BESIDE && normal.at(x, y).length() > WHOLE * length,
     };
     let inverses = shown.iter().map(|(.., sample)| sample.recip());
