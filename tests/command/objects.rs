@@ -278,7 +278,8 @@ fn a_drawing_fades_with_the_share_of_an_object() {
             assert!(!is_beside || own >= 0.599 * all, "{own} of {all}");
         }
     }
-    assert!(inside > 100.0 && along > 10.0, "{inside}, {along}");
+    // Outlines in fog have no loops beside them: what is left is ink where the head has no share at all.
+    assert!(inside > 100.0 && along > 5.0, "{inside}, {along}");
 }
 
 #[test]
