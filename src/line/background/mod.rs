@@ -146,19 +146,11 @@ impl DepthCells {
     ) -> bool {
         let values = self.values(linear);
         let (mut off, mut normals) = (Vec::new(), vec![Vec::new(); fits.len()]);
+        let seen = middles(&frame.normal.x, self.step, |x, y| frame.normal.at(x, y));
         for y in 0..planes.height() {
             for x in self.mask.runs(y).flatten() {
                 match usize::from(planes.at(x, y)).checked_sub(1) {
-                    Some(plane) => {
-                        let middle = |cell: usize, count: usize| {
-                            (cell * self.step + self.step / 2).min(count - 1)
-                        };
-                        let [x, y] = [
-                            middle(x, frame.mask.width()),
-                            middle(y, frame.mask.height()),
-                        ];
-                        normals[plane].push(frame.normal.at(x, y));
-                    }
+                    Some(plane) => normals[plane].push(seen.at(x, y)),
                     None => {
                         let off_plane =
                             |fit: &PlaneFit| (values.at(x, y) / fit.at(x, y) - 1.0).abs();
@@ -226,10 +218,8 @@ impl Backdrop {
         let (linear, fits) = fitted(&cells, frame, same)?;
         let mut planes = cells.planes(&fits, size);
         if let Some(objects) = &frame.objects {
-            leave_to_objects(
-                &mut planes,
-                &middles(objects, step, |x, y| objects.at(x, y)),
-            );
+            let objects = middles(objects, step, |x, y| objects.at(x, y));
+            leave_to_objects(&mut planes, &objects);
         }
         let behind = planes.map(|plane| plane > 0);
         let is_all = count(&behind) > ALL_PLANES * cells.mask.count() as f32;
@@ -316,11 +306,8 @@ fn leave_to_objects(planes: &mut Plane<u8>, objects: &Plane) {
     }
     planes.each_with(objects, |plane, object| {
         let [apart, inside] = cells[object as usize];
-        *plane = if object > 0.0 && apart > inside {
-            0
-        } else {
-            *plane
-        };
+        let is_apart = object > 0.0 && apart > inside;
+        *plane = if is_apart { 0 } else { *plane };
     });
 }
 

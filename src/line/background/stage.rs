@@ -18,14 +18,10 @@ pub(crate) static BACKGROUND: Stage = Stage {
             _ if !plan.shows_shape && !params.lines_only => {
                 Verdict::left_out("the tone is that of light alone")
             }
-            _ if plan.specular.is_some() => Verdict::left_out("mirrors show others"),
-            _ if plan.available.in_sequence || plan.available.moving => {
-                Verdict::left_out("planes could come and go from frame to frame")
-            }
-            _ if plan.available.depth => {
-                Verdict::runs("planes that the subject stands on or before")
-            }
-            _ => Verdict::left_out("planes show in depth, and there is none"),
+            _ => match without_planes(plan) {
+                Some(why) => Verdict::left_out(why),
+                None => Verdict::runs("planes that the subject stands on or before"),
+            },
         })
     })],
     depends_on: |plan| format!("{} {:?}", plan.resolution_factor, plan.background()),
@@ -36,8 +32,19 @@ pub(crate) static BACKGROUND: Stage = Stage {
 
 /// Whether planes are looked for in a drawing whose tone shows the shape.
 pub(crate) fn seeks_planes(plan: &Plan) -> bool {
+    without_planes(plan).is_none()
+}
+
+/// Why planes are not looked for in a frame.
+fn without_planes(plan: &Plan) -> Option<&'static str> {
     let moves = plan.available.in_sequence || plan.available.moving;
-    plan.available.depth && !moves && plan.specular.is_none()
+    if plan.specular.is_some() {
+        Some("mirrors show others")
+    } else if moves {
+        Some("planes could come and go from frame to frame")
+    } else {
+        (!plan.available.depth).then_some("planes show in depth, and there is none")
+    }
 }
 
 fn find(run: &mut Execution) {

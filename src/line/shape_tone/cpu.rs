@@ -10,7 +10,6 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::line::background::Backdrop;
 use crate::line::density::LEAST_ALPHA;
 use crate::line::grid::{Grid, cell_px};
-use crate::line::smooth_step::smooth_step;
 use crate::params::{self, RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
 use crate::shape::diffusion::cpu::diffusion;
@@ -30,24 +29,6 @@ const LEAST_SMOOTHING: f32 = 1.2;
 
 /// Turn of the normal, in radians over the picture's size, that halves the smoothing of brightness.
 const SHARP_TURN: f32 = 18.0;
-
-/// A surface is flat that bends by less than this, in radians, between means of normals over squares of this share of the
-/// picture's size: 3 degrees. Rocks and tablets bend by twice as much.
-const FLAT: f32 = 0.052;
-const FLAT_SHARE: f32 = 1.0 / 15.0;
-
-/// It has grain if half of all normals turn, smoothed by the second share, by less than this share of what half of them do
-/// smoothed by the first: of stone half, and of rendered forms three quarters and more.
-const GRAIN: f32 = 0.65;
-const GRAIN_SHARES: [f32; 2] = [1.0 / 900.0, 1.0 / 450.0];
-
-/// Between these turns, in usual ones, something is cut into grain: grain itself hardly turns by twice what is usual. One
-/// cell of a hundred turns by more than so many at the least: of an inscription by 11, and of bricks and rocks by 5. How wide
-/// what is cut is taken to be, as a share of the picture's size, and between which shares of such turns about it.
-const CUT: [f32; 2] = [2.0, 3.5];
-const MOST_CUT: f32 = 8.0;
-const CUT_SHARE: f32 = 1.0 / 170.0;
-const CUT_AROUND: [f32; 2] = [0.1, 0.35];
 
 /// How many cells are one where surroundings are found.
 const COARSE: usize = 4;
@@ -135,20 +116,20 @@ fn luminances<'a>(shown: &Shown<'a>, y: usize) -> impl Fn(usize) -> f32 + use<'a
     }
 }
 
-struct Cells<'a> {
-    grid: Grid,
+pub(super) struct Cells<'a> {
+    pub(super) grid: Grid,
     /// The picture's size, the root of its area, in cells.
-    size: f32,
+    pub(super) size: f32,
     options: &'a RunOptions,
-    memory: &'a Memory,
+    pub(super) memory: &'a Memory,
 }
 
 /// The surface and its picture, as means over cells; edges are the strongest of each cell.
-struct Seen {
+pub(super) struct Seen {
     /// Normals, of any length.
-    normal: [Plane; 3],
+    pub(super) normal: [Plane; 3],
     /// Conductance of silhouettes alone, and of all edges.
-    before: Plane,
+    pub(super) before: Plane,
     conductance: Plane,
     /// Trace of the Hessian.
     trace: Plane,
@@ -238,10 +219,9 @@ impl Cells<'_> {
         (density, levels::as_numbers(&scales, &ranks))
     }
 
-    /// By how much normals turn from cell to cell at the most, in radians over the picture's size: the largest singular
-    /// value of their derivative (Judd, Durand, Adelson 2007).
-    /// Normals are smoothed by a `share` of the picture's size.
-    fn turn(&self, seen: &Seen, share: f32) -> Plane {
+    /// By how much normals, smoothed by a `share` of the picture's size, turn from cell to cell at the most, in radians over
+    /// that size: the largest singular value of their derivative (Judd, Durand, Adelson 2007).
+    pub(super) fn turn(&self, seen: &Seen, share: f32) -> Plane {
         let (mask, open) = (&self.grid.mask, &seen.before);
         let [x, y, z] = seen.normal.clone();
         let sigma = (self.size * share).max(1.0);
@@ -383,44 +363,6 @@ impl Cells<'_> {
         active
     }
 
-    /// How much cells are cut into a flat surface of grain, 0..1, as letters are; none if the surface is none such. Turns of
-    /// grain fall where normals are smoothed, and those of forms stay.
-    fn cut_into_grain(&self, seen: &Seen, turn: &Plane) -> Option<Plane> {
-        let mask = &self.grid.mask;
-        let is_flat = self.bend(seen) < FLAT;
-        let of = |turn: &Plane, percent| percentile(mask, percent, |x, y| Some(turn.at(x, y)));
-        let (usual, most) = of(turn, 50).zip(of(turn, 99)).filter(|_| is_flat)?;
-        if usual <= 0.0 || most < MOST_CUT * usual {
-            return None;
-        }
-        let [own, smooth] = GRAIN_SHARES.map(|share| of(&self.turn(seen, share), 50));
-        own.zip(smooth)
-            .filter(|(own, smooth)| *smooth < GRAIN * own)?;
-        let clear = turn.map(|turn| smooth_step(CUT, turn / usual));
-        let (zero, sigma) = (self.memory.plane(mask), self.size * CUT_SHARE);
-        let clear = self
-            .spread(Vector2Planes { x: clear, y: zero }, &seen.before, sigma)
-            .x;
-        Some(clear.map(|clear| smooth_step(CUT_AROUND, clear)))
-    }
-
-    /// By how much the surface as a whole bends: how far means of normals are from their own in the root mean square.
-    fn bend(&self, seen: &Seen) -> f32 {
-        let blocks = Grid::new(&self.grid.mask, (FLAT_SHARE * self.size).max(1.0) as usize);
-        let [x, y, z] = &seen.normal;
-        let means = blocks.means(&self.grid.mask, self.memory, |row| {
-            let [x, y, z] = [x, y, z].map(|plane| plane.row(row));
-            move |i| [x[i], y[i], z[i]]
-        });
-        let normal = |x, y| Vec3::from(means.each_ref().map(|mean| mean.at(x, y)));
-        let rows = 0..blocks.mask.height();
-        let cells = rows.flat_map(|y| blocks.mask.runs(y).flatten().map(move |x| (x, y)));
-        let sum: Vec3 = cells.map(|(x, y)| normal(x, y).normalize_or_zero()).sum();
-        // Of unit vectors the mean is shorter by half of their mean square distance from it.
-        let length = sum.length() / blocks.mask.count() as f32;
-        (2.0 * (1.0 - length)).max(0.0).sqrt()
-    }
-
     /// Cells of which each holds several of these.
     fn coarse(&self) -> Self {
         Self {
@@ -430,11 +372,11 @@ impl Cells<'_> {
         }
     }
 
-    /// A field spread by this many cells wherever conductance lets it.
-    fn spread(&self, field: Vector2Planes, conductance: &Plane, sigma: f32) -> Vector2Planes {
+    /// A field spread by this many cells, as far as they are `open`.
+    pub(super) fn spread(&self, field: Vector2Planes, open: &Plane, sigma: f32) -> Vector2Planes {
         let sweeps = DiffusionSchedule::to_sigmas(&[sigma], TOLERANCE);
         let (mask, options) = (&self.grid.mask, self.options);
-        let medium = Medium::of_whole(conductance, mask);
+        let medium = Medium::of_whole(open, mask);
         let mut spread = diffusion(field, medium, &sweeps, options, self.memory).scales;
         spread.pop().expect("one scale is read out")
     }

@@ -11,6 +11,7 @@
 
 mod background;
 pub(crate) mod cpu;
+mod grain;
 mod halo;
 mod levels;
 pub(crate) mod stage;
