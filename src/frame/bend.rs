@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 /// The slopes of a quadratic surface, `h = a x^2 + b x y + c y^2 + d x + e y`, x right and y up from the middle of the
 /// picture in halves of its longer side.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bend {
+pub(crate) struct Quadric {
     /// a to e.
     terms: [f64; 5],
     middle: DVec2,
@@ -29,7 +29,7 @@ const MEDIAN_LENGTH: f64 = 1.1774;
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-6;
 
-impl Bend {
+impl Quadric {
     /// The bend that most slopes agree on, by least squares with weights 1 / (1 + (error / sigma)^2), of which sigma is that
     /// of the last round: what stands out weighs little. `None` where too little of the surface faces the viewer.
     pub(crate) fn of(normal: &Vector3Planes, mask: &Mask) -> Option<Self> {
@@ -138,7 +138,7 @@ mod tests {
             [p + letter(x, y), q]
         });
         let mask = Mask::full(SIZE, SIZE);
-        let bend = Bend::of(&bent, &mask).unwrap();
+        let bend = Quadric::of(&bent, &mask).unwrap();
         let left = bend.subtract(&bent);
         let flat = of_slopes(|x, y| [letter(x, y), 0.0]);
         let off = left
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn what_faces_away_tells_of_no_bend() {
         let steep = of_slopes(|_, _| [2.0, 0.0]);
-        assert!(Bend::of(&steep, &Mask::full(SIZE, SIZE)).is_none());
-        assert!(Bend::of(&steep, &Mask::full(1, 1)).is_none());
+        assert!(Quadric::of(&steep, &Mask::full(SIZE, SIZE)).is_none());
+        assert!(Quadric::of(&steep, &Mask::full(1, 1)).is_none());
     }
 }

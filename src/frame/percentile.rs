@@ -30,17 +30,17 @@ pub(crate) fn percentile(
 }
 
 /// What is known of a pixel: a number, or a number and its weight.
-pub(crate) trait Value: Copy + Send + Default {
+pub(crate) trait Known: Copy + Send + Default {
     fn is_finite(self) -> bool;
 }
 
-impl Value for f32 {
+impl Known for f32 {
     fn is_finite(self) -> bool {
         self.is_finite()
     }
 }
 
-impl Value for [f32; 2] {
+impl Known for [f32; 2] {
     fn is_finite(self) -> bool {
         self.iter().all(|number| number.is_finite())
     }
@@ -64,7 +64,7 @@ enum SampleLook {
 }
 
 /// A sample that is taken in one or two looks at a picture.
-pub(crate) trait Looks {
+pub(crate) trait InLooks {
     /// Begins the first, of a picture with these covered pixels.
     fn begin(&mut self, extent: &Extent);
     /// Whether it takes another.
@@ -73,7 +73,7 @@ pub(crate) trait Looks {
     fn end_look(&mut self);
 }
 
-impl<T: Value> Looks for PictureSample<T> {
+impl<T: Known> InLooks for PictureSample<T> {
     fn begin(&mut self, extent: &Extent) {
         self.lattice = extent.lattice();
         self.looks = SampleLook::First;
@@ -96,7 +96,7 @@ impl<T: Value> Looks for PictureSample<T> {
     }
 }
 
-impl<T: Value> PictureSample<T> {
+impl<T: Known> PictureSample<T> {
     /// Looks at the rows `rows` of a strip whose first row is row `top` of the picture.
     pub(crate) fn add(
         &mut self,

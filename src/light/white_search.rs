@@ -1,6 +1,6 @@
 //! White levels, from the luminance of all pixels: of the picture, or of each term of its light.
 
-use crate::frame::percentile::{Looks, PictureSample};
+use crate::frame::percentile::{InLooks, PictureSample};
 use crate::light::layers::cpu::Absent;
 use crate::light::layers::terms::light_terms;
 use crate::params::Adaptive;
@@ -27,7 +27,7 @@ impl Search for WhiteSearch {
         }
     }
 
-    fn samples(&mut self) -> Vec<&mut dyn Looks> {
+    fn samples(&mut self) -> Vec<&mut dyn InLooks> {
         vec![&mut self.0]
     }
 
@@ -72,10 +72,10 @@ impl Search for TermSearch {
         }
     }
 
-    fn samples(&mut self) -> Vec<&mut dyn Looks> {
+    fn samples(&mut self) -> Vec<&mut dyn InLooks> {
         let samples = self.0.iter_mut();
         samples
-            .map(|(_, sample)| sample as &mut dyn Looks)
+            .map(|(_, sample)| sample as &mut dyn InLooks)
             .collect()
     }
 

@@ -83,7 +83,7 @@ pub(crate) static LINES_ONLY: Stage = Stage {
 
 fn leave_white(run: &mut Execution) {
     let mask = &run.frame.mask;
-    let tone = Tone {
+    let tone = DrawnTone {
         density: None,
         made: None,
         white: 1.0,
@@ -93,14 +93,14 @@ fn leave_white(run: &mut Execution) {
 }
 
 /// The tone to draw: the picture made so far, or that of the frame, or densities computed from either.
-pub(crate) struct Tone {
+pub(crate) struct DrawnTone {
     density: Option<Plane>,
     made: Option<ColorPlanes>,
     /// Luminance of paper white.
     pub(crate) white: f32,
 }
 
-impl Tone {
+impl DrawnTone {
     /// The tone of a run, out of its hands until [`finish`] gives it back.
     pub(crate) fn taken(run: &mut Execution) -> Self {
         let (plan, frame) = (run.plan, run.frame);
@@ -148,7 +148,12 @@ fn covering(mut density: Plane) -> Plane {
 }
 
 /// Assembles the drawing from its strokes and the content of the canvas.
-pub(crate) fn finish(run: &mut Execution, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
+pub(crate) fn finish(
+    run: &mut Execution,
+    tone: DrawnTone,
+    hatching: Plane,
+    lines: Vec<Streamline>,
+) {
     let canvas = std::mem::take(run.canvas_mut());
     let (plan, memory) = (run.plan, run.memory);
     let directions = canvas.directions.into_iter();

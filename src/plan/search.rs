@@ -1,7 +1,7 @@
 //! Choices from a whole picture: the gain, white levels, the albedo. A picture that comes some rows at a time gives the same
 //! as the whole.
 
-use crate::frame::percentile::{Looks, PictureSample, Value};
+use crate::frame::percentile::{InLooks, Known, PictureSample};
 use crate::frame::{Extent, Frame, Mask};
 use crate::plan::Plan;
 use crate::plan::execution::{Execution, StripRows};
@@ -23,7 +23,7 @@ pub(crate) trait Search: Send {
     fn look(&mut self, run: &mut Execution);
 
     /// Samples of the values that it chooses by.
-    fn samples(&mut self) -> Vec<&mut dyn Looks>;
+    fn samples(&mut self) -> Vec<&mut dyn InLooks>;
 
     /// Whether another look is taken.
     fn is_open(&mut self) -> bool {
@@ -75,7 +75,7 @@ impl<'a> ChosenFrom<'a> {
     }
 
     /// Adds values at pixels of the planes to a sample.
-    pub(crate) fn add_to<T: Value>(
+    pub(crate) fn add_to<T: Known>(
         &self,
         sample: &mut PictureSample<T>,
         value: impl Fn(usize, usize) -> Option<T> + Sync,
@@ -145,7 +145,7 @@ impl<'a> Execution<'a> {
         samples.into_iter().for_each(|sample| sample.begin(&extent));
         while search.is_open() {
             search.look(self);
-            search.samples().into_iter().for_each(Looks::end_look);
+            search.samples().into_iter().for_each(InLooks::end_look);
         }
         search
     }

@@ -6,7 +6,7 @@ use crate::command::flags::weights_for;
 use crate::command::map::{MapArgs, MapKind, MapPart};
 use crate::command::named::Named;
 use crate::error::{Error, Result, bad};
-use crate::frame::bend::Bend;
+use crate::frame::bend::Quadric;
 use crate::frame::detail::with_detail;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::io::inputs::Inputs;
@@ -225,7 +225,7 @@ impl FrameWork for MapArgs {
     fn begin(&self, inputs: &Inputs, frame: &Frame) -> Result<Results> {
         let mut made = Results::default();
         if self.flatten {
-            let bend = Bend::of(&frame.normal, &frame.mask).ok_or_else(|| {
+            let bend = Quadric::of(&frame.normal, &frame.mask).ok_or_else(|| {
                 bad(
                     "--flatten",
                     "finds too few pixels that lean less than 30 degrees",

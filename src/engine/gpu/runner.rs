@@ -32,7 +32,7 @@ use std::time::Instant;
 
 /// Inputs of a run other than plan and frame.
 #[derive(Clone, Copy)]
-pub(crate) struct Beside<'a> {
+pub(crate) struct DeviceInputs<'a> {
     inputs: Inputs<'a>,
     light: Option<&'a Light>,
     /// Memory for the parts run on the CPU.
@@ -122,7 +122,7 @@ impl Runner {
             let lit = plan.relighting().and(inputs.illumination);
             let light = lit.map(|lit| self.light.light(&self.device, plan, frame, lit, watch));
             let light = light.transpose()?;
-            let beside = Beside {
+            let beside = DeviceInputs {
                 inputs,
                 light: light.as_ref(),
                 memory,
@@ -184,7 +184,7 @@ impl Runner {
         &'a self,
         plan: &'a Plan,
         frame: &'a Frame,
-        beside: Beside<'a>,
+        beside: DeviceInputs<'a>,
     ) -> Execution<'a> {
         Execution {
             memory: beside.memory,
@@ -198,7 +198,7 @@ impl Runner {
         &'a self,
         plan: &'a Plan,
         frame: &'a Frame,
-        beside: Beside<'a>,
+        beside: DeviceInputs<'a>,
     ) -> Recording<'a> {
         self.buffers.begin_run();
         let mut run = Recording {
@@ -222,7 +222,7 @@ impl Runner {
     }
 
     /// Runs `plan` on a frame that fits the device.
-    fn run(&self, plan: &Plan, frame: &Frame, beside: Beside) -> Result<Outcome> {
+    fn run(&self, plan: &Plan, frame: &Frame, beside: DeviceInputs) -> Result<Outcome> {
         let start = Instant::now();
         let mut run = self.start(plan, frame, beside);
         let copied = match beside.light {

@@ -3,7 +3,7 @@
 use super::albedo::{fitted, luminance_over};
 #[cfg(any(feature = "cli", feature = "gpu"))]
 use crate::frame::Extent;
-use crate::frame::percentile::{Looks, PictureSample};
+use crate::frame::percentile::{InLooks, PictureSample};
 use crate::frame::{Frame, Vector3Planes};
 use crate::light::albedo::{AlbedoEstimate, ShadingFit};
 use crate::plan::execution::Execution;
@@ -53,7 +53,7 @@ impl Search for AlbedoSearch {
         self.add(&from, normals(run, from.frame));
     }
 
-    fn samples(&mut self) -> Vec<&mut dyn Looks> {
+    fn samples(&mut self) -> Vec<&mut dyn InLooks> {
         vec![&mut self.white]
     }
 

@@ -1,7 +1,7 @@
 //! Lines that pass behind something: their visible parts on both sides of it are one line.
 
 use crate::frame::Frame;
-use crate::line::contours::gaps::{Joint, Tip, join, joints};
+use crate::line::contours::gaps::{Joint, OpenTip, join, joints};
 use crate::line::contours::ground::Ground;
 use crate::line::contours::log_depth;
 use crate::line::contours::network::{Line, Sets};
@@ -57,7 +57,7 @@ impl Occluders<'_> {
     fn passages(&self, lines: &[Line]) -> Vec<Joint> {
         let lengths: Vec<f32> = lines.iter().map(Line::length).collect();
         let longest = LONGEST * self.unit_px;
-        let goes_on = |a: &Tip, b: &Tip| {
+        let goes_on = |a: &OpenTip, b: &OpenTip| {
             let way = b.at - a.at;
             let distance = way.length();
             let straight = [a.ahead.dot(way), -b.ahead.dot(way)];

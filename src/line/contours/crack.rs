@@ -5,7 +5,7 @@
 
 /// Samples along a row or column, from two before the crack to three behind it, so three on either side: the crack is
 /// between the third and the fourth. `None` where uncovered or beyond the picture.
-pub(crate) type Across = [Option<f32>; 6];
+pub(crate) type SixSamples = [Option<f32>; 6];
 
 /// A spread jump counts if it is this many times the steepest slope beside it: a kink alone gives up to twice its
 /// slope.
@@ -17,7 +17,7 @@ const KINK: f32 = 2.5;
 /// filter may spread the jump over the pixels beside the crack; then the sum of the jumps at the three cracks around it
 /// counts.
 #[inline]
-pub(crate) fn unexplained_jump(a: &Across) -> f32 {
+pub(crate) fn unexplained_jump(a: &SixSamples) -> f32 {
     let Some(jump) = difference(a[2], a[3]) else {
         return 0.0;
     };
@@ -93,7 +93,7 @@ pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
 mod tests {
     use super::*;
 
-    fn all(values: [f32; 6]) -> Across {
+    fn all(values: [f32; 6]) -> SixSamples {
         values.map(Some)
     }
 

@@ -29,17 +29,17 @@ pub(crate) struct Crack {
 /// The search for cracks.
 pub(crate) struct Finder<'a> {
     frame: &'a Frame,
-    map: Option<Map<'a>>,
+    map: Option<JumpsIn<'a>>,
 }
 
 /// What jumps at silhouettes.
-enum Map<'a> {
+enum JumpsIn<'a> {
     Depth(&'a Plane, Box<Gaps<'a>>),
     /// An occlusion map, and the size of its jumps.
     Occlusion(&'a Plane, SoftThreshold),
 }
 
-impl Map<'_> {
+impl JumpsIn<'_> {
     fn plane(&self) -> &Plane {
         match self {
             Self::Depth(plane, _) | Self::Occlusion(plane, _) => plane,
@@ -48,16 +48,17 @@ impl Map<'_> {
 }
 
 /// A pixel, possibly beyond the picture.
-type Pixel = [i64; 2];
+type PixelAt = [i64; 2];
 
 impl<'a> Finder<'a> {
     pub(crate) fn new(frame: &'a Frame, shape: &ShapeParams) -> Self {
         let depth = frame.depth.as_ref().map(|plane| {
             let gaps = Gaps::new(frame, plane, shape.silhouette);
-            Map::Depth(plane, Box::new(gaps))
+            JumpsIn::Depth(plane, Box::new(gaps))
         });
         let occlusion = frame.occlusion.as_ref();
-        let occlusion = occlusion.map(|plane| Map::Occlusion(plane, shape.occlusion_silhouette));
+        let occlusion =
+            occlusion.map(|plane| JumpsIn::Occlusion(plane, shape.occlusion_silhouette));
         Self {
             frame,
             map: depth.or(occlusion),
@@ -98,19 +99,19 @@ impl<'a> Finder<'a> {
         found
     }
 
-    fn inside(&self, [x, y]: Pixel) -> Option<[usize; 2]> {
+    fn inside(&self, [x, y]: PixelAt) -> Option<[usize; 2]> {
         let mask = &self.frame.mask;
         let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
         (x < mask.width() && y < mask.height()).then_some([x, y])
     }
 
-    fn is_covered(&self, pixel: Pixel) -> bool {
+    fn is_covered(&self, pixel: PixelAt) -> bool {
         self.inside(pixel)
             .is_some_and(|[x, y]| self.frame.mask.at(x, y))
     }
 
     /// The logarithm of depth of a covered pixel, 0 where depth is unknown.
-    fn log_depth(&self, pixel: Pixel) -> f32 {
+    fn log_depth(&self, pixel: PixelAt) -> f32 {
         let pixel = self
             .inside(pixel)
             .map(|[x, y]| y * self.frame.mask.width() + x);
@@ -142,7 +143,7 @@ impl<'a> Finder<'a> {
     }
 
     /// Offset of the edge beyond the crack by alpha, 0 without alpha; `beyond(0)` is covered, `beyond(1)` is not.
-    fn coverage_offset(&self, beyond: impl Fn(i64) -> Pixel) -> f32 {
+    fn coverage_offset(&self, beyond: impl Fn(i64) -> PixelAt) -> f32 {
         let Some(alpha) = &self.frame.alpha else {
             return 0.0;
         };
@@ -171,14 +172,14 @@ impl<'a> Finder<'a> {
     }
 
     /// The map at a pixel that is covered.
-    fn value(&self, pixel: Pixel) -> Option<f32> {
+    fn value(&self, pixel: PixelAt) -> Option<f32> {
         let [x, y] = self.inside(pixel)?;
         let value = self.map.as_ref()?.plane().at(x, y);
         (self.frame.mask.at(x, y) && value.is_finite()).then_some(value)
     }
 
     /// The map at a pixel, parted from what a filter mixed into it.
-    fn sharp(&self, [x, y]: Pixel) -> Option<f32> {
+    fn sharp(&self, [x, y]: PixelAt) -> Option<f32> {
         let around = (0..9).filter_map(|j| self.value([x + j % 3 - 1, y + j / 3 - 1]));
         Some(sharpened(self.value([x, y])?, around))
     }
@@ -189,11 +190,11 @@ impl<'a> Finder<'a> {
         let sharp = [self.sharp(pixels[0])?, self.sharp(pixels[1])?];
         let raw = [self.value(pixels[0])?, self.value(pixels[1])?];
         let (size, least) = match self.map.as_ref()? {
-            Map::Depth(_, gaps) => {
+            JumpsIn::Depth(_, gaps) => {
                 let scale = &gaps.scale;
                 (scale.jump_px(sharp, crack.direction()), scale.threshold.lo)
             }
-            Map::Occlusion(_, threshold) => ((sharp[1] - sharp[0]).abs(), threshold.lo),
+            JumpsIn::Occlusion(_, threshold) => ((sharp[1] - sharp[0]).abs(), threshold.lo),
         };
         (size > least).then(|| self.jump_spot(crack, size, spread_offset(raw, sharp)))
     }
@@ -203,7 +204,7 @@ impl<'a> Finder<'a> {
         Spot {
             at: crack.place(offset),
             strength: match &self.map {
-                Some(Map::Depth(_, gaps)) => strength_of_gap(size / gaps.scale.side),
+                Some(JumpsIn::Depth(_, gaps)) => strength_of_gap(size / gaps.scale.side),
                 _ => size.min(1.0),
             },
             log_depth: self
@@ -218,10 +219,10 @@ impl<'a> Finder<'a> {
         let samples = [-2, -1, 0, 1, 2, 3].map(|i| self.value(crack.pixel(i)));
         let jump = unexplained_jump(&samples);
         let size = match self.map.as_ref()? {
-            Map::Depth(_, gaps) => {
+            JumpsIn::Depth(_, gaps) => {
                 gaps.seen_after(self.inside(crack.pixel(0))?, crack.direction())?
             }
-            Map::Occlusion(_, threshold) => Some(jump).filter(|&jump| jump > threshold.lo)?,
+            JumpsIn::Occlusion(_, threshold) => Some(jump).filter(|&jump| jump > threshold.lo)?,
         };
         let raw = [samples[2]?, samples[3]?];
         let sharp = [self.sharp(crack.pixel(0))?, self.sharp(crack.pixel(1))?];
@@ -238,8 +239,8 @@ impl<'a> Finder<'a> {
 
 /// The crack behind a pixel along an axis.
 struct Across {
-    pixel: Pixel,
-    axis: Pixel,
+    pixel: PixelAt,
+    axis: PixelAt,
 }
 
 impl Across {
@@ -259,7 +260,7 @@ impl Across {
     }
 
     /// The pixel at the offset `i` behind the one before the crack.
-    fn pixel(&self, i: i64) -> Pixel {
+    fn pixel(&self, i: i64) -> PixelAt {
         [
             self.pixel[0] + i * self.axis[0],
             self.pixel[1] + i * self.axis[1],
@@ -273,7 +274,7 @@ impl Across {
 
     /// The place so far behind the middle of the crack.
     fn place(&self, offset: f32) -> Vec2 {
-        let vector = |[x, y]: Pixel| Vec2::new(x as f32, y as f32);
+        let vector = |[x, y]: PixelAt| Vec2::new(x as f32, y as f32);
         vector(self.pixel) + Vec2::splat(0.5) + (0.5 + offset) * vector(self.axis)
     }
 }

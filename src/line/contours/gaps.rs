@@ -16,7 +16,7 @@ const TOUCHING_PX: f32 = 2.0;
 const TIP_SHARE: f32 = 0.05;
 
 /// An end of a line in the open.
-pub(super) struct Tip {
+pub(super) struct OpenTip {
     pub(super) line: usize,
     pub(super) end: usize,
     pub(super) at: Vec2,
@@ -24,11 +24,11 @@ pub(super) struct Tip {
 }
 
 /// All open ends of lines.
-fn tips(lines: &[Line]) -> Vec<Tip> {
+fn tips(lines: &[Line]) -> Vec<OpenTip> {
     let open = lines.iter().enumerate().filter(|(_, line)| !line.closed);
     let tips = open.flat_map(|(i, line)| {
         let free = (0..2).filter(|&end| line.ends[end] == End::Free);
-        free.map(move |end| Tip {
+        free.map(move |end| OpenTip {
             line: i,
             end,
             at: line.spots[end * (line.spots.len() - 1)].at,
@@ -77,7 +77,7 @@ pub(super) fn join(lines: &mut [Line], joints: &[Joint]) {
 pub(super) fn joints(
     lines: &[Line],
     reach: f32,
-    faces: impl Fn(&Tip, &Tip) -> bool,
+    faces: impl Fn(&OpenTip, &OpenTip) -> bool,
     to: impl Fn([Vec2; 2]) -> Option<[Vec2; 2]>,
 ) -> Vec<Joint> {
     let tips = tips(lines);
@@ -95,7 +95,7 @@ pub(super) fn joints(
 }
 
 /// Whether two tips face each other across a gap.
-fn faces(widest_px: f32) -> impl Fn(&Tip, &Tip) -> bool {
+fn faces(widest_px: f32) -> impl Fn(&OpenTip, &OpenTip) -> bool {
     move |a, b| {
         let way = b.at - a.at;
         let distance = way.length();
@@ -107,7 +107,11 @@ fn faces(widest_px: f32) -> impl Fn(&Tip, &Tip) -> bool {
 }
 
 /// The pairs of tips up to `reach` apart that face each other, the nearest first.
-fn facing(tips: &[Tip], reach: f32, faces: impl Fn(&Tip, &Tip) -> bool) -> Vec<[usize; 2]> {
+fn facing(
+    tips: &[OpenTip],
+    reach: f32,
+    faces: impl Fn(&OpenTip, &OpenTip) -> bool,
+) -> Vec<[usize; 2]> {
     let most = tips.iter().fold(Vec2::ZERO, |most, tip| most.max(tip.at));
     let mut cells = Placed::new(
         most.to_array().map(|length| length as usize),

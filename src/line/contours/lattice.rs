@@ -25,7 +25,7 @@ pub(crate) struct Lattice {
 
 /// Nodes joined one to the next by links.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Path {
+pub(crate) struct NodePath {
     /// The nodes in order; of a closed path the first is not repeated.
     pub nodes: Vec<u32>,
     /// Whether the last node is linked to the first.
@@ -88,7 +88,7 @@ impl Lattice {
     }
 
     /// Every link once, in paths that end only at nodes with another number of links than two, or close.
-    pub(crate) fn paths(&self) -> Vec<Path> {
+    pub(crate) fn paths(&self) -> Vec<NodePath> {
         let mut left = self.links.clone();
         let mut paths = Vec::new();
         let at_ends = self.linked.iter().filter(|&&node| self.degree(node) != 2);
@@ -106,7 +106,7 @@ impl Lattice {
     }
 
     /// Follows links from `start`, removing each from `left`.
-    fn walk(&self, start: u32, left: &mut [u8]) -> Path {
+    fn walk(&self, start: u32, left: &mut [u8]) -> NodePath {
         let mut nodes = vec![start];
         let mut at = start;
         loop {
@@ -119,7 +119,7 @@ impl Lattice {
                 nodes.push(to);
             }
             if closed || self.degree(to) != 2 {
-                return Path { nodes, closed };
+                return NodePath { nodes, closed };
             }
             at = to;
         }

@@ -1,6 +1,6 @@
 //! Networks of lines: paths that meet at junctions become lines that run through them, or end in one point.
 
-use crate::line::contours::lattice::{Lattice, Path};
+use crate::line::contours::lattice::{Lattice, NodePath};
 use crate::line::contours::polyline::{length, smoothed};
 use crate::line::contours::smoothing::Smoothing;
 use glam::Vec2;
@@ -83,7 +83,7 @@ const STRAIGHT: f32 = 0.77;
 pub(crate) fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
-    spots: impl Fn(&Path) -> Vec<Spot>,
+    spots: impl Fn(&NodePath) -> Vec<Spot>,
     rim: usize,
     smoothing: Smoothing,
 ) -> Vec<Line> {

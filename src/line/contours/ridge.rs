@@ -1,6 +1,6 @@
 //! Ridges of a weight: wide bands of pixels thinned to lines one pixel wide.
 
-use crate::line::contours::lattice::{Lattice, Path, STEPS};
+use crate::line::contours::lattice::{Lattice, NodePath, STEPS};
 use crate::line::contours::network::{self, Line, Spot};
 use crate::line::contours::smoothing::Smoothing;
 use glam::Vec2;
@@ -52,7 +52,7 @@ impl Bands<'_> {
     /// The smooth lines along the ridges, through a spot for each of their pixels.
     pub(crate) fn lines(&self, spot: impl Fn(u32) -> Spot, smoothing: Smoothing) -> Vec<Line> {
         let ridges = self.ridges();
-        let spots = |path: &Path| {
+        let spots = |path: &NodePath| {
             let last = path.nodes.len() - 1;
             let is_junction = |i: usize| (i == 0 || i == last) && ridges.degree(path.nodes[i]) > 2;
             let inner = path.nodes.iter().enumerate();
@@ -255,7 +255,7 @@ const fn is_simple(bits: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::contours::lattice::Path;
+    use crate::line::contours::lattice::NodePath;
 
     fn ridges_of(width: usize, height: usize, weight: &[f32]) -> Vec<u32> {
         let pixels: Vec<u32> = (0..weight.len() as u32)
@@ -331,7 +331,7 @@ mod tests {
         };
         let paths = bands.ridges().paths();
         // Once around; a corner may leave a stub.
-        let around = |path: &&Path| path.closed || path.nodes.first() == path.nodes.last();
+        let around = |path: &&NodePath| path.closed || path.nodes.first() == path.nodes.last();
         let rings: Vec<_> = paths.iter().filter(around).collect();
         assert!(rings.len() == 1 && rings[0].nodes.len() > 20, "{paths:?}");
         let stubs = paths.iter().filter(|path| !around(path));

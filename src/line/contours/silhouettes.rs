@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Plane};
 use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
-use crate::line::contours::lattice::{Lattice, Path};
+use crate::line::contours::lattice::{Lattice, NodePath};
 use crate::line::contours::network;
 use crate::line::contours::network::Line;
 use crate::line::contours::smoothing::Smoothing;
@@ -51,7 +51,7 @@ pub(crate) fn along(cracks: &[Crack], frame: &Frame, params: &ContourParams) -> 
         let found = cracks.binary_search_by_key(&(corner, step), |c| (c.corner, c.step));
         cracks[found.expect("links are cracks")].spot
     };
-    let spots = |path: &Path| {
+    let spots = |path: &NodePath| {
         let pairs = path
             .nodes
             .windows(2)

@@ -25,14 +25,14 @@ pub(crate) fn fill(
 ) {
     let width = mask.width();
     let fixed = |i: usize| fixed(i % width, i / width);
-    let is_flat = |i: &Pixel| flat.samples()[*i as usize] != 0.0;
+    let is_flat = |i: &PixelIndex| flat.samples()[*i as usize] != 0.0;
     let turned = |i: usize, mean: Vec2, wave: usize, margin_px: usize| {
         let share = wave as f32 / margin_px as f32;
         let fixed = fixed(i);
         mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
     };
-    let mut field = Field { directions, width };
-    let is_open = |i: &Pixel| conductance.samples()[*i as usize] > 0.0;
+    let mut field = FilledField { directions, width };
+    let is_open = |i: &PixelIndex| conductance.samples()[*i as usize] > 0.0;
     let (open, closed): (Vec<_>, Vec<_>) = field.lacking(mask).into_iter().partition(is_open);
     let through_faces = |from: usize, to: usize| {
         let c = conductance.samples();
@@ -74,7 +74,7 @@ pub(crate) fn fill_rest(
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
     let width = mask.width();
-    let mut field = Field { directions, width };
+    let mut field = FilledField { directions, width };
     let lacking = field.lacking(mask);
     field.spread(
         REST_REACH_PX,
@@ -86,20 +86,20 @@ pub(crate) fn fill_rest(
 }
 
 /// The number of a pixel, row by row: lists of them are as long as pictures.
-type Pixel = u32;
+type PixelIndex = u32;
 
-struct Field<'a> {
+struct FilledField<'a> {
     directions: &'a mut Vector2Planes,
     width: usize,
 }
 
-impl Field<'_> {
+impl FilledField<'_> {
     fn at(&self, i: usize) -> Vec2 {
         let Vector2Planes { x, y } = &self.directions;
         Vec2::new(x.samples()[i], y.samples()[i])
     }
 
-    fn set_all(&mut self, found: &[(Pixel, Vec2)]) {
+    fn set_all(&mut self, found: &[(PixelIndex, Vec2)]) {
         let Vector2Planes { x, y } = &mut *self.directions;
         let (x, y) = (x.samples_mut(), y.samples_mut());
         for &(i, direction) in found {
@@ -112,13 +112,13 @@ impl Field<'_> {
     }
 
     /// The covered pixels whose direction is 0, in order.
-    fn lacking(&self, mask: &Mask) -> Vec<Pixel> {
+    fn lacking(&self, mask: &Mask) -> Vec<PixelIndex> {
         let rows = (0..mask.height())
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK);
         let rows = rows.flat_map_iter(|y| {
             let of_row = mask.runs(y).flatten().map(move |x| y * self.width + x);
-            of_row.filter(|&i| self.lacks(i)).map(|i| i as Pixel)
+            of_row.filter(|&i| self.lacks(i)).map(|i| i as PixelIndex)
         });
         rows.collect()
     }
@@ -127,7 +127,7 @@ impl Field<'_> {
     fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, count) = (self.width, self.directions.x.samples().len());
         // Pixels are numbered in fewer bits: half the time.
-        let x = (i as Pixel % width as Pixel) as usize;
+        let x = (i as PixelIndex % width as PixelIndex) as usize;
         let sides = [
             (x > 0).then(|| i - 1),
             (x + 1 < width).then(|| i + 1),
@@ -149,7 +149,7 @@ impl Field<'_> {
     }
 
     /// Those of `pixels` that lack a direction.
-    fn without(&self, pixels: &[Pixel]) -> Vec<Pixel> {
+    fn without(&self, pixels: &[PixelIndex]) -> Vec<PixelIndex> {
         let lacking = pixels.iter().copied();
         lacking.filter(|&i| self.lacks(i as usize)).collect()
     }
@@ -160,7 +160,7 @@ impl Field<'_> {
     fn spread(
         &mut self,
         waves: usize,
-        mut wave: Vec<Pixel>,
+        mut wave: Vec<PixelIndex>,
         weight: impl Fn(usize, usize) -> f32 + Sync,
         settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
     ) {
@@ -169,7 +169,7 @@ impl Field<'_> {
             waiting[i as usize] = true;
         }
         for number in 1..=waves {
-            let found: Vec<(Pixel, Vec2)> = wave
+            let found: Vec<(PixelIndex, Vec2)> = wave
                 .par_iter()
                 .with_min_len(PIXELS_PER_TASK)
                 .filter_map(|&pixel| {
@@ -189,12 +189,12 @@ impl Field<'_> {
     }
 
     /// The waiting pixels beside those just filled, each once.
-    fn beyond(&self, filled: &[(Pixel, Vec2)], waiting: &[bool]) -> Vec<Pixel> {
-        let mut next: Vec<Pixel> = filled
+    fn beyond(&self, filled: &[(PixelIndex, Vec2)], waiting: &[bool]) -> Vec<PixelIndex> {
+        let mut next: Vec<PixelIndex> = filled
             .iter()
             .flat_map(|&(i, _)| self.neighbours(i as usize))
             .filter(|&i| waiting[i])
-            .map(|i| i as Pixel)
+            .map(|i| i as PixelIndex)
             .collect();
         next.sort_unstable();
         next.dedup();
@@ -202,8 +202,8 @@ impl Field<'_> {
     }
 
     /// Gives those of `pixels` that lack a direction the fixed one.
-    fn fix(&mut self, pixels: &[Pixel], fixed: impl Fn(usize) -> Vec2 + Sync) {
-        let found: Vec<(Pixel, Vec2)> = pixels
+    fn fix(&mut self, pixels: &[PixelIndex], fixed: impl Fn(usize) -> Vec2 + Sync) {
+        let found: Vec<(PixelIndex, Vec2)> = pixels
             .par_iter()
             .with_min_len(PIXELS_PER_TASK)
             .filter(|&&i| self.lacks(i as usize))

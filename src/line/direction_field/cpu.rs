@@ -9,7 +9,7 @@ use crate::line::carried::Carrier;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
-use crate::line::direction_field::directions::{Seen, settled};
+use crate::line::direction_field::directions::{SeenPatch, settled};
 use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
     FAR, FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
@@ -42,7 +42,7 @@ pub(crate) fn stroke_fields(
         let fields = before.directions.iter();
         fields.map(|field| carrier.directions(field, memory))
     });
-    let field = Field {
+    let field = FieldFound {
         params,
         frame,
         patches,
@@ -62,7 +62,7 @@ pub(crate) fn stroke_fields(
     found
 }
 
-struct Field<'a> {
+struct FieldFound<'a> {
     params: &'a FieldParams,
     frame: &'a Frame,
     patches: &'a Patches,
@@ -76,7 +76,7 @@ struct Field<'a> {
 /// A patch with unknown curvature.
 const NO_FORM: Weighted = [0.0, 0.0, 0.0, 1.0];
 
-impl Field<'_> {
+impl FieldFound<'_> {
     /// The fields of these families: 0 follows the larger curvature, 1 the lesser.
     fn found<const N: usize>(
         &self,
@@ -110,7 +110,7 @@ impl Field<'_> {
         let cross = CrossKernel::new(self.patches);
         let patches = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         let seen: Vec<_> = patches
-            .map(|patch| Seen::new(patch, &self.setting.sight))
+            .map(|patch| SeenPatch::new(patch, &self.setting.sight))
             .collect();
         let forms = self.forms(&cross, &seen);
         self.calmed(self.doubled(&forms, &seen, families), &cross)
@@ -175,12 +175,12 @@ impl Field<'_> {
     }
 
     /// The curvature of every patch, per pixel, averaged nearby.
-    fn forms(&self, cross: &CrossKernel, seen: &[Seen]) -> Vec<[Weighted; 1]> {
+    fn forms(&self, cross: &CrossKernel, seen: &[SeenPatch]) -> Vec<[Weighted; 1]> {
         let Patches { across, down, .. } = self.patches;
         // Rows run down, y up.
         let links = [&across.before, &across.after, &down.after, &down.before];
         let step_px = self.params.cell_px.into();
-        let form = |(i, here): (usize, &Seen)| {
+        let form = |(i, here): (usize, &SeenPatch)| {
             let beside = |side: usize| seen.get(links[side][i] as usize).copied();
             let slopes = here.slopes(beside, step_px);
             let per_pixel = |curvature: f64| (curvature / self.setting.pixels) as f32;
@@ -201,7 +201,7 @@ impl Field<'_> {
     fn doubled<const N: usize>(
         &self,
         forms: &[[Weighted; 1]],
-        seen: &[Seen],
+        seen: &[SeenPatch],
         families: [usize; N],
     ) -> Vec<[Weighted; N]> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);

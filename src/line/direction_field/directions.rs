@@ -4,19 +4,19 @@ use crate::frame::{SightLines, direction_seen, step_by_normals};
 use crate::line::direction_field::patches::Patch;
 use crate::line::direction_field::setting::{FACING, FALLBACK, FREE};
 use crate::line::direction_field::{CurvatureTensor, Weighted, doubled};
-use crate::line::normal_rays::{Local, NormalRay, Sides, Slopes, upright};
+use crate::line::normal_rays::{Local, NormalRay, RaySlopes, Sides, upright};
 use glam::{DVec2, DVec3, Vec2};
 
 /// A patch as it is seen.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct SeenPatch<'a> {
     sight: &'a SightLines,
     normal: DVec3,
     /// Its sight line.
     line: (DVec3, DVec3),
 }
 
-impl<'a> Seen<'a> {
+impl<'a> SeenPatch<'a> {
     #[inline]
     pub(crate) fn new(patch: &Patch, sight: &'a SightLines) -> Self {
         Self {
@@ -28,7 +28,7 @@ impl<'a> Seen<'a> {
 
     /// The ray of another patch.
     #[inline]
-    fn ray(&self, there: Seen) -> NormalRay {
+    fn ray(&self, there: SeenPatch) -> NormalRay {
         let (lines, normals) = ([self.line, there.line], self.normal + there.normal);
         let (is_there, offset) = step_by_normals(self.sight.is_perspective(), lines, normals);
         NormalRay {
@@ -47,9 +47,9 @@ impl<'a> Seen<'a> {
     #[inline]
     pub(crate) fn slopes<'b>(
         &self,
-        beside: impl Fn(usize) -> Option<Seen<'b>>,
+        beside: impl Fn(usize) -> Option<SeenPatch<'b>>,
         step_px: f64,
-    ) -> Option<Slopes> {
+    ) -> Option<RaySlopes> {
         let (faces, tangents) = upright(self.normal);
         let local = Local {
             tangents,
@@ -59,7 +59,7 @@ impl<'a> Seen<'a> {
             let ray = |number: usize| Some(self.ray(beside(number)?));
             local.difference(&Sides::of([ray(before), ray(after)], step_px))
         };
-        let slopes = Slopes::of(&along(0, 1), &along(2, 3));
+        let slopes = RaySlopes::of(&along(0, 1), &along(2, 3));
         (faces && slopes.is_there).then_some(slopes)
     }
 

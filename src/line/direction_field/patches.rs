@@ -35,7 +35,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// The cells of a frame. They are at multiples of their size in the picture's coordinates, so that a crop has the cells
 /// of the whole.
 #[derive(Debug)]
-pub(crate) struct Grid {
+pub(crate) struct PatchGrid {
     cell_px: usize,
     /// Part of the first cell outside the frame.
     cut: [usize; 2],
@@ -45,7 +45,7 @@ pub(crate) struct Grid {
     pub(crate) rows: usize,
 }
 
-impl Grid {
+impl PatchGrid {
     fn new(frame: &Frame, cell_px: usize) -> Self {
         let window = frame.data_window;
         let cut = [window.x0, window.y0].map(|c| c.rem_euclid(cell_px as i32) as usize);
@@ -88,7 +88,7 @@ impl Grid {
 /// All patches, numbered by cell, row after row.
 #[derive(Debug)]
 pub(crate) struct Patches {
-    pub(crate) grid: Grid,
+    pub(crate) grid: PatchGrid,
     pub(crate) all: Vec<Patch>,
     /// The first patch of each cell, and the total number of patches.
     first: Vec<u32>,
@@ -100,7 +100,7 @@ pub(crate) struct Patches {
 
 impl Patches {
     pub(crate) fn new(frame: &Frame, conductance: &Plane, cell_px: usize) -> Self {
-        let grid = Grid::new(frame, cell_px);
+        let grid = PatchGrid::new(frame, cell_px);
         let mut labels = vec![0; frame.mask.plane().samples().len()];
         let found: Vec<(Vec<u32>, Vec<Patch>)> = grid
             .bands(&mut labels)
@@ -173,7 +173,7 @@ impl Patches {
 
     /// The patch that a pixel belongs to, if any.
     pub(crate) fn of_pixel(&self, x: usize, y: usize) -> Option<usize> {
-        let Grid {
+        let PatchGrid {
             cell_px, cut, size, ..
         } = &self.grid;
         let [column, row] = [(x + cut[0]) / cell_px, (y + cut[1]) / cell_px];
@@ -209,7 +209,7 @@ impl Links {
 }
 
 struct RowOfCells<'a> {
-    grid: &'a Grid,
+    grid: &'a PatchGrid,
     frame: &'a Frame,
     conductance: &'a Plane,
     row: usize,

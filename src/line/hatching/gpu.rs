@@ -10,7 +10,7 @@ use crate::gpu::wgsl::{Wgsl, wgsl};
 use crate::kernel::last::Last;
 use crate::kernel::timings::add_timings;
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
-use crate::line::drawing::{Tone, finish};
+use crate::line::drawing::{DrawnTone, finish};
 use crate::line::hatching::gpu_texture::DeviceTexture;
 use crate::line::hatching::{CROSSED_FROM, Hatching};
 use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
@@ -130,7 +130,7 @@ impl Strokes {
 pub(crate) fn hatch(run: &mut Recording) -> Result<()> {
     let (plan, frame) = (run.plan, run.frame);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
-    let tone = Tone::taken(&mut run.host);
+    let tone = DrawnTone::taken(&mut run.host);
     let start = Instant::now();
     // The picture made so far, or that of the frame.
     if let Some(color) = frame.color.as_ref().filter(|_| !run.has(PICTURE[0])) {

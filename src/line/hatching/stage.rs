@@ -1,6 +1,6 @@
 //! Strokes of a texture.
 
-use crate::line::drawing::{Tone, finish, has_texture};
+use crate::line::drawing::{DrawnTone, finish, has_texture};
 use crate::line::hatching::cpu::hatched;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
@@ -25,7 +25,7 @@ pub(crate) static HATCHING: Stage = Stage {
 fn hatch(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
-    let tone = Tone::taken(run);
+    let tone = DrawnTone::taken(run);
     let densities = tone.densities(frame, &params.tone);
     let ink = run.timed_on(HATCHING.name, |run| {
         let map = run.canvas().art_map.as_deref().or(run.given_art_map());

@@ -63,7 +63,7 @@ pub(super) fn chains(
 
 /// The share of its width that each line is drawn with, by the support that its crests have.
 fn fades(lines: &[Line], crests: &[Crest], size: [usize; 2], thresholds: [f32; 2]) -> Vec<f32> {
-    let numbers = Numbers::of(crests, size);
+    let numbers = CrestNumbers::of(crests, size);
     let supports = supports(crests, thresholds, |crest| numbers.beside(crest).collect());
     let of_line = |line: &Line| {
         let own = line
@@ -76,13 +76,13 @@ fn fades(lines: &[Line], crests: &[Crest], size: [usize; 2], thresholds: [f32; 2
 }
 
 /// The number of every crest, by pixel.
-struct Numbers {
+struct CrestNumbers {
     size: [usize; 2],
     /// Counted from 1; 0 for none.
     numbers: Vec<u32>,
 }
 
-impl Numbers {
+impl CrestNumbers {
     fn of(crests: &[Crest], size: [usize; 2]) -> Self {
         let mut numbers = vec![0; size[0] * size[1]];
         for (number, crest) in (1..).zip(crests) {
@@ -111,7 +111,7 @@ impl Numbers {
 
 /// Connected sets of crests, of at least `fewest`, with one at least as strong as `strength`.
 fn plain(crests: &[Crest], size: [usize; 2], strength: f32, fewest: usize) -> Vec<Crest> {
-    let numbers = Numbers::of(crests, size);
+    let numbers = CrestNumbers::of(crests, size);
     let mut sets = Sets::new(crests.len());
     for (i, crest) in crests.iter().enumerate() {
         numbers

@@ -12,11 +12,11 @@ use crate::line::contours::{Contour, ContourKind, DepthRange};
 use crate::line::drawing::Drawn;
 use crate::line::interior::chains::chains;
 use crate::line::interior::choice::{Interior, Roughness, chosen, shortest};
-use crate::line::interior::crests::{Crest, Rims, suggestive, valleys_and_ridges};
+use crate::line::interior::crests::{Crest, FormRims, suggestive, valleys_and_ridges};
 use crate::line::interior::drawn::Pen;
 use crate::line::interior::facing::Viewer;
 use crate::line::interior::fade::by_strength;
-use crate::line::interior::level::Level;
+use crate::line::interior::level::FormLevel;
 use crate::line::interior::shadows::shadows;
 use crate::line::interior::sizes::Sizes;
 use crate::line::interior::turning::curvature;
@@ -54,7 +54,7 @@ pub(crate) fn interior(
     let frame = drawn.frame;
     let silhouette = drawn.silhouette.expect("lines keep away from silhouettes");
     let sizes = Sizes::of(frame, params, fades);
-    let level = Level::of(frame, silhouette, sizes.factor);
+    let level = FormLevel::of(frame, silhouette, sizes.factor);
     if level.frame.mask.count() == 0 {
         return (Vec::new(), None);
     }
@@ -75,7 +75,7 @@ pub(crate) fn interior(
 /// All lines of all kinds that belong to the form, in pixels of the level.
 fn found(
     frame: &Frame,
-    level: &Level,
+    level: &FormLevel,
     normals: &[Plane<Vec3>],
     params: &InteriorParams,
     sizes: &Sizes,
@@ -85,7 +85,7 @@ fn found(
         return Vec::new();
     }
     let [rims, ridge_rims] =
-        [1.0, RIDGE_MARGIN].map(|share| Rims::new(level, share * sizes.margin));
+        [1.0, RIDGE_MARGIN].map(|share| FormRims::new(level, share * sizes.margin));
     let viewer = Viewer::of(frame, sizes.factor);
     let mask = &level.frame.mask;
     let fine = curvature(&normals[0], mask);

@@ -2,7 +2,7 @@
 
 use crate::frame::{Mask, Plane};
 use crate::line::interior::facing::Viewer;
-use crate::line::interior::level::Level;
+use crate::line::interior::level::FormLevel;
 use crate::line::interior::sizes::Sizes;
 use crate::line::interior::turning::Turning;
 use glam::{Vec2, Vec3};
@@ -35,15 +35,15 @@ const SUGGESTIVE_STRENGTH: f32 = 0.6;
 const LEAST_SLANT: f32 = 0.342;
 
 /// Edges of a level's surface: it ends, or hides another.
-pub(super) struct Rims<'a> {
+pub(super) struct FormRims<'a> {
     mask: &'a Mask,
     conductance: &'a Plane,
     /// Offsets of the pixels that lines keep away from.
     around: Vec<[isize; 2]>,
 }
 
-impl<'a> Rims<'a> {
-    pub(super) fn new(level: &'a Level, margin: f32) -> Self {
+impl<'a> FormRims<'a> {
+    pub(super) fn new(level: &'a FormLevel, margin: f32) -> Self {
         let reach = margin as isize;
         let square = (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| [x, y]));
         let mut around: Vec<_> = square
@@ -72,7 +72,7 @@ impl<'a> Rims<'a> {
 pub(super) fn valleys_and_ridges(
     normals: &Plane<Vec3>,
     curvature: &Plane,
-    rims: [&Rims; 2],
+    rims: [&FormRims; 2],
     sizes: &Sizes,
 ) -> [Vec<Crest>; 2] {
     let found = each_pixel(rims[0].mask, |x, y| {
@@ -104,7 +104,7 @@ pub(super) fn suggestive(
     normals: &Plane<Vec3>,
     sigma: f32,
     viewer: &Viewer,
-    rims: &Rims,
+    rims: &FormRims,
     sizes: &Sizes,
 ) -> Vec<Crest> {
     let facings = viewer.facings(normals, rims.mask);

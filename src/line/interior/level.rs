@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Normals of the visible surface, with the conductance of their diffusion.
-pub(super) struct Level {
+pub(super) struct FormLevel {
     /// The normals with their mask.
     pub(super) frame: Frame,
     /// 0..1, 0 where a silhouette passes and outside the mask.
@@ -28,7 +28,7 @@ const LEAST_WEIGHT: f32 = 1e-3;
 /// Error of the diffusion, relative to a normal's length: a tenth of the faintest line's turn per pixel.
 const TOLERANCE: f64 = 1e-3;
 
-impl Level {
+impl FormLevel {
     /// The level of a frame whose silhouettes are known, in blocks of `factor` by `factor` pixels.
     pub(super) fn of(frame: &Frame, silhouette: &Plane, factor: usize) -> Self {
         let Vector3Planes { x, y, z } = &frame.normal;

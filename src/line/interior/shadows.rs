@@ -5,8 +5,8 @@ use crate::frame::percentile::percentile;
 use crate::frame::rows::map_covered;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, luminance};
 use crate::line::grid::Grid;
-use crate::line::interior::crests::{Crest, Rims, crest, each_pixel};
-use crate::line::interior::level::Level;
+use crate::line::interior::crests::{Crest, FormRims, crest, each_pixel};
+use crate::line::interior::level::FormLevel;
 use crate::line::interior::sizes::Sizes;
 use crate::params::RunOptions;
 use glam::Vec2;
@@ -25,9 +25,9 @@ const FULL: u32 = 95;
 /// radians per pixel. Their strength is that change in parts of the full light, over the picture.
 pub(super) fn shadows(
     frame: &Frame,
-    level: &Level,
+    level: &FormLevel,
     curvature: &Plane,
-    rims: &Rims,
+    rims: &FormRims,
     sizes: &Sizes,
     options: &RunOptions,
     memory: &Memory,

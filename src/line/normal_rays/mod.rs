@@ -158,14 +158,14 @@ pub(crate) fn principal_curvatures(
 ) -> PrincipalCurvatures {
     let (is_normal, local) = Local::at(normal);
     let (x, y) = (local.difference(&along_x), local.difference(&along_y));
-    let Slopes {
+    let RaySlopes {
         is_there,
         mean,
         half_difference,
         off,
         area,
         spread,
-    } = Slopes::of(&x, &y);
+    } = RaySlopes::of(&x, &y);
     let half_spread = DVec2::new(half_difference, off).length();
     let is_greater_larger = mean >= 0.0;
     let (greater, less) = (mean + half_spread, mean - half_spread);
@@ -213,7 +213,7 @@ pub(crate) fn upright(normal: DVec3) -> (bool, [DVec3; 2]) {
 }
 
 /// M, made symmetric, and negated: its eigenvalues are the curvatures.
-pub(crate) struct Slopes {
+pub(crate) struct RaySlopes {
     /// Whether both axes have a usable ray and the surface is not seen edge-on.
     pub(crate) is_there: bool,
     pub(crate) mean: f64,
@@ -224,7 +224,7 @@ pub(crate) struct Slopes {
     pub(crate) spread: f64,
 }
 
-impl Slopes {
+impl RaySlopes {
     #[inline(always)]
     pub(crate) fn of(x: &Difference, y: &Difference) -> Self {
         let (u, v) = (x.foot, y.foot);

@@ -1,7 +1,7 @@
 //! Tone over the frame: cells, what spreads among them, percentiles, and back to pixels.
 
 use super::background::{behind_subject, left_out, plainness, quieter};
-use super::levels::{self, Ranks, SHARES, Scales, Spread};
+use super::levels::{self, Ranks, SHARES, Scales, Scatter};
 use super::{CLEAR_TURN, activity, key_stops, raised, seen_tone, stops};
 use crate::frame::memory::Memory;
 use crate::frame::percentile::percentile;
@@ -46,7 +46,7 @@ const CLOSED: f32 = 1e-3;
 const PLAIN_WEIGHT: f32 = 0.01;
 
 /// The inputs of tone.
-pub(crate) struct Shown<'a> {
+pub(crate) struct ToneOf<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) conductance: &'a Plane,
     pub(crate) silhouette: Option<&'a Plane>,
@@ -83,7 +83,7 @@ impl CellDensities {
 }
 
 /// The density of the tone of what is shown.
-pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) -> CellDensities {
+pub(crate) fn densities(shown: &ToneOf, options: &RunOptions, memory: &Memory) -> CellDensities {
     let (mask, size) = (&shown.frame.mask, shown.frame.display_window.size_px());
     let step = cell_px(size);
     let cells = Cells {
@@ -102,7 +102,7 @@ pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) ->
 }
 
 /// The luminance of the surface in a row of the picture; 0 where it has none.
-fn luminances<'a>(shown: &Shown<'a>, y: usize) -> impl Fn(usize) -> f32 + use<'a> {
+fn luminances<'a>(shown: &ToneOf<'a>, y: usize) -> impl Fn(usize) -> f32 + use<'a> {
     let weights = shown.frame.luminance_weights();
     let rows = shown.picture;
     let rows = rows.map(|color| [&color.r, &color.g, &color.b].map(|plane| plane.row(y)));
@@ -125,7 +125,7 @@ pub(super) struct Cells<'a> {
 }
 
 /// The surface and its picture, as means over cells; edges are the strongest of each cell.
-pub(super) struct Seen {
+pub(super) struct CellMeans {
     /// Normals, of any length.
     pub(super) normal: [Plane; 3],
     /// Conductance of silhouettes alone, and of all edges.
@@ -138,15 +138,15 @@ pub(super) struct Seen {
 }
 
 impl Cells<'_> {
-    fn seen(&self, shown: &Shown) -> Seen {
-        let Shown { frame, .. } = shown;
+    fn seen(&self, shown: &ToneOf) -> CellMeans {
+        let ToneOf { frame, .. } = shown;
         let normal = &frame.normal;
         let [nx, ny, nz, trace, luminance] = self.grid.means(&frame.mask, self.memory, |y| {
             let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
             let (trace, luminance) = (shown.curvature.0.row(y), luminances(shown, y));
             move |x| [nx[x], ny[x], nz[x], trace[x], luminance(x)]
         });
-        Seen {
+        CellMeans {
             normal: [nx, ny, nz],
             before: self.before(shown.silhouette),
             conductance: self.grid.least(shown.conductance),
@@ -167,7 +167,7 @@ impl Cells<'_> {
         before
     }
 
-    fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
+    fn density(&self, seen: &CellMeans, shown: &ToneOf) -> (Plane, [f32; ToneLevels::COUNT]) {
         let (scales, ranks) = levels::given(shown.params.levels).unzip();
         let turn = self.turn(seen, TURN_SHARE);
         let (brightness, scales) = self.brightness(seen, shown, &turn, scales);
@@ -221,7 +221,7 @@ impl Cells<'_> {
 
     /// By how much normals, smoothed by a `share` of the picture's size, turn from cell to cell at the most, in radians over
     /// that size: the largest singular value of their derivative (Judd, Durand, Adelson 2007).
-    pub(super) fn turn(&self, seen: &Seen, share: f32) -> Plane {
+    pub(super) fn turn(&self, seen: &CellMeans, share: f32) -> Plane {
         let (mask, open) = (&self.grid.mask, &seen.before);
         let [x, y, z] = seen.normal.clone();
         let sigma = (self.size * share).max(1.0);
@@ -263,8 +263,8 @@ impl Cells<'_> {
     /// The brightness of cells about that of the whole, of the picture and in the key light.
     fn brightness(
         &self,
-        seen: &Seen,
-        shown: &Shown,
+        seen: &CellMeans,
+        shown: &ToneOf,
         turn: &Plane,
         given: Option<Scales>,
     ) -> (Plane, Scales) {
@@ -393,9 +393,9 @@ fn slope(before: Option<Vec3>, here: Vec3, after: Option<Vec3>) -> Vec3 {
     }
 }
 
-fn spread_of(plane: &Plane, mask: &Mask) -> Spread {
+fn spread_of(plane: &Plane, mask: &Mask) -> Scatter {
     let at = |percent| percentile(mask, percent, |x, y| Some(plane.at(x, y))).unwrap_or(0.0);
-    Spread {
+    Scatter {
         middle: at(50),
         width: at(90) - at(10),
     }
@@ -475,7 +475,7 @@ mod tests {
             ..ToneParams::default()
         };
         let is_closed = |x: usize| closed.contains(&x);
-        let shown = Shown {
+        let shown = ToneOf {
             frame: &Frame::of_normals(normal, mask),
             conductance: &Plane::from_fn(width, height, |x, _| f32::from(!is_closed(x) as u8)),
             silhouette: Some(&Plane::from_fn(width, height, |x, _| {
@@ -541,7 +541,7 @@ mod tests {
                 levels,
                 ..ToneParams::default()
             };
-            let shown = Shown {
+            let shown = ToneOf {
                 frame: &Frame::of_normals(normal.clone(), mask.clone()),
                 conductance: &open,
                 silhouette: None,

@@ -1,6 +1,6 @@
 //! What is cut into a flat surface of grain, as letters are into stone: the stone is to be quieter than they are.
 
-use super::cpu::{Cells, Seen};
+use super::cpu::{CellMeans, Cells};
 use crate::frame::percentile::percentile;
 use crate::frame::{Plane, Vector2Planes};
 use crate::line::grid::Grid;
@@ -28,7 +28,7 @@ const CUT_AROUND: [f32; 2] = [0.1, 0.35];
 impl Cells<'_> {
     /// How much cells are cut into a flat surface of grain, 0..1, as letters are; none if the surface is none such. Turns of
     /// grain fall where normals are smoothed, and those of forms stay.
-    pub(super) fn cut_into_grain(&self, seen: &Seen, turn: &Plane) -> Option<Plane> {
+    pub(super) fn cut_into_grain(&self, seen: &CellMeans, turn: &Plane) -> Option<Plane> {
         let mask = &self.grid.mask;
         let is_flat = self.bend(seen) < FLAT;
         let of = |turn: &Plane, percent| percentile(mask, percent, |x, y| Some(turn.at(x, y)));
@@ -48,7 +48,7 @@ impl Cells<'_> {
     }
 
     /// By how much the surface as a whole bends: how far means of normals are from their own in the root mean square.
-    fn bend(&self, seen: &Seen) -> f32 {
+    fn bend(&self, seen: &CellMeans) -> f32 {
         let blocks = Grid::new(&self.grid.mask, (FLAT_SHARE * self.size).max(1.0) as usize);
         let [x, y, z] = &seen.normal;
         let means = blocks.means(&self.grid.mask, self.memory, |row| {

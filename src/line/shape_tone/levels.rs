@@ -15,14 +15,14 @@ const LEAST_SPREAD: f32 = 0.3;
 
 /// Centre and spread of values, to compare those of two kinds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spread {
+pub(super) struct Scatter {
     /// The median.
     pub(super) middle: f32,
     /// Distance from the 10th to the 90th percentile.
     pub(super) width: f32,
 }
 
-impl Spread {
+impl Scatter {
     /// Distance of a value above the centre, in spreads.
     #[inline(always)]
     pub(super) fn standard(self, value: f32) -> f32 {
@@ -36,8 +36,8 @@ pub(super) struct Scales {
     /// The median luminance.
     pub(super) median: f32,
     /// Brightness of the picture, in stops about the median, and brightness in the key light.
-    pub(super) picture: Spread,
-    pub(super) key: Spread,
+    pub(super) picture: Scatter,
+    pub(super) key: Scatter,
 }
 
 /// The brightness that each of [`SHARES`] is below.
@@ -71,7 +71,7 @@ pub(super) fn given(levels: ToneLevels) -> Option<(Scales, Ranks)> {
     else {
         return None;
     };
-    let spread = |middle, width| Spread { middle, width };
+    let spread = |middle, width| Scatter { middle, width };
     let scales = Scales {
         median,
         picture: spread(picture, picture_width),

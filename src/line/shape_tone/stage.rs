@@ -1,6 +1,6 @@
 //! The tone of a drawing that shows the shape.
 
-use super::cpu::{Shown, densities};
+use super::cpu::{ToneOf, densities};
 use super::halo::leave_bare;
 use super::key_light;
 use crate::line::background::stage::seeks_planes;
@@ -33,7 +33,7 @@ fn find(run: &mut Execution) {
         let (shape, light) = (&run.made.outcome.shape, run.illumination());
         let given = light.and_then(|light| light.directional.first());
         let there = "tones are planned with their shape";
-        let of = Shown {
+        let of = ToneOf {
             frame,
             conductance: shape.conductance.as_ref().expect(there),
             silhouette: shape.silhouette.as_ref(),

@@ -1,7 +1,7 @@
 //! Strokes that are dots.
 
 use super::cpu::{Stippled, stippled};
-use crate::line::drawing::{Tone, finish, has_strokes};
+use crate::line::drawing::{DrawnTone, finish, has_strokes};
 use crate::params::Style;
 use crate::plan::execution::Execution;
 use crate::plan::stage::{Makes, Stage, Verdict, step};
@@ -26,7 +26,7 @@ pub(crate) static STIPPLING: Stage = Stage {
 fn lay(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
-    let tone = Tone::taken(run);
+    let tone = DrawnTone::taken(run);
     let densities = tone.densities(frame, &params.tone);
     let factor = plan.resolution_factor as f32;
     let sequence = run.inputs.sequence;

@@ -1,7 +1,7 @@
 //! Strokes as lines.
 
 use crate::frame::Plane;
-use crate::line::drawing::{Drawn, Tone, finish, has_strokes};
+use crate::line::drawing::{Drawn, DrawnTone, finish, has_strokes};
 use crate::line::streamlines::cpu::{inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
@@ -40,7 +40,7 @@ pub(crate) static STREAMLINES: Stage = Stage {
 fn lay(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
-    let tone = Tone::taken(run);
+    let tone = DrawnTone::taken(run);
     let densities = tone.densities(frame, &params.tone);
     let (ink, lines, laid) = run.timed_on(STREAMLINES.name, |run| {
         let (drawn, factor) = (Drawn::of(run), plan.resolution_factor as f32);

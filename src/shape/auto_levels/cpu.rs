@@ -55,7 +55,7 @@ pub(crate) fn white_of(percentile: Option<f32>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::percentile::Looks;
+    use crate::frame::percentile::InLooks;
     use crate::frame::{Extent, Vector3Planes};
     use crate::plan::search::ChosenFrom;
     use crate::shape::auto_levels::gain_search::GainSearch;

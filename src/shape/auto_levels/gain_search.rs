@@ -2,7 +2,7 @@
 
 use super::cpu::Counted;
 use super::{flat_curvature, gain_of};
-use crate::frame::percentile::{Looks, PictureSample};
+use crate::frame::percentile::{InLooks, PictureSample};
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::execution::Execution;
@@ -55,7 +55,7 @@ impl Search for GainSearch {
         self.add(&run.chosen_from_made(), &counted);
     }
 
-    fn samples(&mut self) -> Vec<&mut dyn Looks> {
+    fn samples(&mut self) -> Vec<&mut dyn InLooks> {
         vec![&mut self.sample]
     }
 

@@ -5,7 +5,7 @@ use crate::frame::{Projection, SightLines};
 use crate::line::hatching::gpu::{PICTURE_STROKES, STROKES};
 use crate::line::hatching::share;
 use crate::line::normal_rays::gpu::NORMAL_RAYS;
-use crate::line::normal_rays::{Difference, Local, NormalRay, Slopes};
+use crate::line::normal_rays::{Difference, Local, NormalRay, RaySlopes};
 use crate::line::slice_texture::{mix, within};
 use crate::line::stroke_texture::{ramp_between, ramp_of};
 use crate::line::texture_coordinates::{
@@ -153,7 +153,7 @@ fn slopes_of(rays: [(bool, DVec2, DVec2); 4]) -> (bool, [f64; 5]) {
         slope: b.2 - a.2,
         samples: f64::from(u8::from(a.0 || b.0)),
     };
-    let s = Slopes::of(&between(rays[0], rays[1]), &between(rays[2], rays[3]));
+    let s = RaySlopes::of(&between(rays[0], rays[1]), &between(rays[2], rays[3]));
     match s.is_there {
         true => (true, [s.mean, s.half_difference, s.off, s.area, s.spread]),
         false => (false, [f64::NAN; 5]),
