@@ -58,7 +58,8 @@ impl Frame {
     }
 }
 
-/// Covered pixels that have none, or one that has no other, within a column and a row that is about as far away.
+/// Covered pixels before or behind others within a column and a row, of which none is about as far away, or one that has no
+/// other.
 fn specks(depth: &Plane, mask: &Mask, scale: &GapScale) -> Plane<bool> {
     let size = [depth.width(), depth.height()];
     let alike = |at @ [x, y]: [usize; 2]| {
@@ -68,8 +69,10 @@ fn specks(depth: &Plane, mask: &Mask, scale: &GapScale) -> Plane<bool> {
     };
     Plane::of_pixels(size[0], size[1], |x, y| {
         let mut beside = alike([x, y]);
-        let is_alone = |other| alike(other).nth(1).is_none();
-        mask.at(x, y) && beside.next().is_none_or(is_alone) && beside.next().is_none()
+        let (first, second) = (beside.next(), beside.next());
+        let is_alone = first.is_none_or(|other| alike(other).nth(1).is_none());
+        let mut others = around_pixel([x, y], size, 2).filter(|&at| Some(at) != first);
+        mask.at(x, y) && second.is_none() && is_alone && others.any(|[x, y]| mask.at(x, y))
     })
 }
 
@@ -285,6 +288,11 @@ mod tests {
         let wire = (0..30).map(|i| (100 + i) * 200 + 20 + i);
         let kept: Vec<usize> = (0..3).map(|i| 90 * 200 + 120 + i).chain(wire).collect();
         assert_eq!(rest, kept);
+        // Stars have nothing around them to become.
+        let is_star = |x: usize, y: usize| x % 20 == 7 && y % 15 < 2;
+        let mut stars = thicket(0);
+        stars.mask = Mask::new(Plane::from_fn(200, 150, is_star));
+        assert!(stars.calmed(&borders(&stars)).is_none());
     }
 
     #[test]
