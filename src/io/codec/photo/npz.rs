@@ -10,25 +10,20 @@ use crate::untrusted::{Untrusted, listed};
 use flate2::bufread::DeflateDecoder;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use zip::{CompressionMethod, ZipArchive};
 
 /// An array of an archive.
 struct Member {
     /// Without `.npy`.
     name: String,
     is_deflated: bool,
-    /// Bytes in the archive.
+    /// Bytes in the archive, and where they are.
     bytes: u64,
-    /// Where its local header is.
     at: u64,
 }
 
-/// The end of an archive: its mark, its length without a comment, and the longest comment.
-const END: (&[u8], usize, u64) = (b"PK\x05\x06", 22, 1 << 16);
-/// An entry of the directory, and the header of a file: their marks, and their lengths without names.
-const ENTRY: (&[u8], usize) = (b"PK\x01\x02", 46);
-const LOCAL: (&[u8], usize) = (b"PK\x03\x04", 30);
-/// The largest directory that is read, in bytes.
-const MOST_BYTES: u64 = 1 << 20;
+/// What every archive begins with.
+const START: &[u8] = b"PK\x03\x04";
 /// Longest side of what is a matrix rather than a picture, where there are several arrays.
 const MATRIX: usize = 4;
 
@@ -54,10 +49,10 @@ pub(in crate::io) fn is_inside(path: &Path) -> bool {
 pub(in crate::io) fn pictures_in(path: &Path) -> Result<Option<Vec<PathBuf>>> {
     let mut file = open_buffered(path)?;
     let start = file.fill_buf().map_err(Error::io(path, "read"))?;
-    if !start.starts_with(LOCAL.0) {
+    if !start.starts_with(START) {
         return Ok(None);
     }
-    let members = members(path, &mut file)?;
+    let members = members(path, file)?;
     let pictures = pictures(path, &members)?;
     let inside = pictures.iter().map(|member| path.join(&member.name));
     Ok(Some(inside.collect()))
@@ -65,8 +60,7 @@ pub(in crate::io) fn pictures_in(path: &Path) -> Result<Option<Vec<PathBuf>>> {
 
 /// The bytes of the array `name` of an archive, or of the only one that could be a picture.
 pub(super) fn open(path: &Path, name: Option<&str>) -> Result<Box<dyn Read>> {
-    let mut file = open_buffered(path)?;
-    let members = members(path, &mut file)?;
+    let members = members(path, open_buffered(path)?)?;
     let names: Vec<_> = members.iter().map(|member| member.name.clone()).collect();
     let refused = |found: String| Error::Unsupported {
         path: path.to_path_buf(),
@@ -109,80 +103,38 @@ fn pictures<'m>(path: &Path, members: &'m [Member]) -> Result<Vec<&'m Member>> {
     Ok(found)
 }
 
-/// The arrays of an archive, by the directory at its end.
-fn members(path: &Path, file: &mut (impl Read + Seek)) -> Result<Vec<Member>> {
-    let none = || damaged(path, &"an archive without a directory");
-    let (mark, length, comment) = END;
-    let size = file.seek(SeekFrom::End(0));
-    let size = size.map_err(Error::io(path, "read"))?;
-    let mut read = |at: u64, count: u64| -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let found = file.seek(SeekFrom::Start(at));
-        let read = found.and_then(|_| file.take(count).read_to_end(&mut bytes));
-        read.map_err(Error::io(path, "read")).map(|_| bytes)
-    };
-    let from = size.saturating_sub(length as u64 + comment);
-    let tail = read(from, size - from)?;
-    let mut windows = tail.windows(length);
-    let end = windows.rfind(|end| end.starts_with(mark));
-    let end = end.ok_or_else(none)?;
-    let (count, bytes, at) = (number(end, 10, 2), number(end, 12, 4), number(end, 16, 4));
-    if bytes > MOST_BYTES || at > size {
-        return Err(none());
-    }
-    let directory = read(at, bytes)?;
-    let (mut rest, mut members) = (&directory[..], Vec::new());
-    let (mark, length) = ENTRY;
-    for _ in 0..count {
-        let entry = rest.get(..length).filter(|entry| entry.starts_with(mark));
-        let entry = entry.ok_or_else(none)?;
-        let [name, extra, comment] = [28, 30, 32].map(|at| number(entry, at, 2) as usize);
-        let name = rest.get(length..length + name).ok_or_else(none)?;
-        let name = String::from_utf8_lossy(name);
-        rest = rest
-            .get(length + name.len() + extra + comment..)
-            .ok_or_else(none)?;
-        let (flags, method) = (number(entry, 8, 2), number(entry, 10, 2));
-        let Some(name) = name.strip_suffix(".npy") else {
+/// The arrays of an archive.
+fn members(path: &Path, file: impl Read + Seek) -> Result<Vec<Member>> {
+    let broken = |error| damaged(path, &error);
+    let mut archive = ZipArchive::new(file).map_err(broken)?;
+    let mut members = Vec::new();
+    for index in 0..archive.len() {
+        let entry = archive.by_index_raw(index).map_err(broken)?;
+        let name = entry.name().map_err(broken)?;
+        let (Some(name), Some(at)) = (name.strip_suffix(".npy"), entry.data_start()) else {
             continue;
         };
-        if flags & 1 != 0 || ![0, 8].contains(&method) {
-            return Err(unsupported(
-                path,
-                "is encrypted, or compressed in a rare way",
-            ));
+        let method = entry.compression();
+        let is_known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&method);
+        if entry.encrypted() || !is_known {
+            let found = "is encrypted, or compressed in a rare way";
+            return Err(unsupported(path, found));
         }
         members.push(Member {
             name: name.into(),
-            is_deflated: method == 8,
-            bytes: number(entry, 20, 4),
-            at: number(entry, 42, 4),
+            is_deflated: method == CompressionMethod::Deflated,
+            bytes: entry.compressed_size(),
+            at,
         });
     }
     Ok(members)
 }
 
-/// The number of so many bytes at a place.
-fn number(bytes: &[u8], at: usize, count: usize) -> u64 {
-    let bytes = bytes[at..at + count].iter().rev();
-    bytes.fold(0, |number, &byte| 256 * number + u64::from(byte))
-}
-
 impl Member {
     fn open(&self, path: &Path) -> Result<Box<dyn Read>> {
         let mut file = open_buffered(path)?;
-        let (mark, length) = LOCAL;
-        let mut header = vec![0; length];
-        let mut read = || {
-            file.seek(SeekFrom::Start(self.at))?;
-            file.read_exact(&mut header)?;
-            let [name, extra] = [26, 28].map(|at| number(&header, at, 2) as i64);
-            file.seek_relative(name + extra)
-        };
-        read().map_err(|error| damaged(path, &error))?;
-        if !header.starts_with(mark) {
-            return Err(damaged(path, &"its directory leads nowhere"));
-        }
+        file.seek(SeekFrom::Start(self.at))
+            .map_err(|error| damaged(path, &error))?;
         let stored = file.take(self.bytes);
         Ok(match self.is_deflated {
             true => Box::new(DeflateDecoder::new(stored)),
@@ -195,7 +147,9 @@ impl Member {
 mod tests {
     use super::*;
     use crate::io::photo::Photo;
-    use zlib_rs::{DeflateConfig, compress_slice};
+    use std::io::{Cursor, Write};
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
 
     /// A NumPy array of floats, each its index.
     fn npy(shape: &str, count: usize) -> Vec<u8> {
@@ -207,53 +161,22 @@ mod tests {
         file
     }
 
-    /// An archive, as `numpy.savez` or `savez_compressed` writes one. zlib puts two bytes before what is deflated and four
-    /// behind it.
+    /// An archive, as `numpy.savez` or `savez_compressed` writes one.
     fn npz(arrays: &[(&str, Vec<u8>)], is_deflated: bool) -> Vec<u8> {
-        let (mut file, mut directory) = (Vec::new(), Vec::new());
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        let method = match is_deflated {
+            true => CompressionMethod::Deflated,
+            false => CompressionMethod::Stored,
+        };
+        // NumPy asks for sizes in 64 bits.
+        let options = SimpleFileOptions::default().large_file(true);
         for (name, array) in arrays {
-            let mut room = vec![0; array.len() + 1000];
-            let stored = match is_deflated {
-                true => {
-                    let (made, _) = compress_slice(&mut room, array, DeflateConfig::default());
-                    made[2..made.len() - 4].to_vec()
-                }
-                false => array.clone(),
-            };
-            let name = format!("{name}.npy");
-            let sizes = [stored.len() as u32, array.len() as u32].map(u32::to_le_bytes);
-            let method = 8 * u16::from(is_deflated);
-            let at = file.len() as u32;
-            let common = |out: &mut Vec<u8>, extra: u16| {
-                out.extend([20, 0, 0, 0]);
-                out.extend(method.to_le_bytes());
-                out.extend([0; 8]);
-                out.extend(sizes.as_flattened());
-                out.extend((name.len() as u16).to_le_bytes());
-                out.extend(extra.to_le_bytes());
-            };
-            file.extend(LOCAL.0);
-            // An extra field, as of sizes in 64 bits.
-            common(&mut file, 4);
-            file.extend(name.bytes());
-            file.extend([1, 0, 0, 0]);
-            file.extend(stored);
-            directory.extend(ENTRY.0);
-            directory.extend([20, 3]);
-            common(&mut directory, 0);
-            directory.extend([0; 10]);
-            directory.extend(at.to_le_bytes());
-            directory.extend(name.bytes());
+            let started =
+                archive.start_file(format!("{name}.npy"), options.compression_method(method));
+            started.unwrap();
+            archive.write_all(array).unwrap();
         }
-        let (at, bytes) = (file.len() as u32, directory.len() as u32);
-        let count = (arrays.len() as u16).to_le_bytes();
-        file.extend(directory);
-        file.extend(END.0);
-        file.extend([0; 4]);
-        file.extend([count, count].as_flattened());
-        file.extend([bytes, at].map(u32::to_le_bytes).as_flattened());
-        file.extend([0; 2]);
-        file
+        archive.finish().unwrap().into_inner()
     }
 
     #[test]
