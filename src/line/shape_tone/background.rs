@@ -28,7 +28,8 @@ const LIT_BETWEEN: [f32; 2] = [1.0 / 12.0, 1.0 / 4.0];
 const CONTACT: f32 = 0.88;
 const CONTACT_REACH: f32 = 1.0 / 55.0;
 
-/// The share of ink that fades far behind the subject.
+/// The share of ink that fades far behind the subject, and of the reach of the dark line where things stand: they are
+/// smaller there.
 const FADED: f32 = 0.75;
 
 /// Below this activity the surface counts as plain.
@@ -75,19 +76,20 @@ pub(super) fn behind_subject(
     let smooth = spread(ink.clone(), &open, SHADOW_SMOOTHING * size);
     Plane::from_fn(width, height, |x, y| {
         let own = ink.at(x, y);
+        let left = 1.0 - FADED * background.remote.at(x, y);
         let ink = match background.plane(x, y) {
             Some(_) if is_blank => 0.0,
             Some(plane) => {
                 let near = (background.to_subject.at(x, y) / (SHADOW_REACH * size)).powi(2);
                 let darker = smooth.at(x, y) - usual[usize::from(plane) - 1] - SHADOW_FROM;
                 let shadow = SHADOW * darker.max(0.0) * (-near).exp();
-                let contact = background.to_contact.at(x, y) / (CONTACT_REACH * size);
+                let contact = background.to_contact.at(x, y) / (CONTACT_REACH * size * left);
                 let shadow = shadow.min(MOST_SHADOW).min(own + SHADOW_FROM);
                 shadow.max(CONTACT * (-contact).exp())
             }
             None => own,
         };
-        ink * (1.0 - FADED * background.remote.at(x, y))
+        ink * left
     })
 }
 
