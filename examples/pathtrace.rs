@@ -14,11 +14,6 @@ mod energy_tests;
 mod enhancement;
 #[path = "pathtrace/geometry.rs"]
 mod geometry;
-#[path = "pathtrace/layers.rs"]
-mod layers;
-#[cfg(test)]
-#[path = "pathtrace/layers_tests.rs"]
-mod layers_tests;
 #[path = "pathtrace/light.rs"]
 mod light;
 #[path = "pathtrace/material.rs"]
@@ -39,8 +34,6 @@ mod scene;
 mod sheet;
 #[path = "pathtrace/stage.rs"]
 mod stage;
-#[path = "pathtrace/timing.rs"]
-mod timing;
 #[path = "pathtrace/tree.rs"]
 mod tree;
 #[path = "pathtrace/urn.rs"]
@@ -51,21 +44,18 @@ mod warp_tests;
 
 use clap::{Parser, Subcommand};
 use enhancement::{Bounces, Enhancement};
-use layers::{Extras, write_layers};
+use glam::Vec3;
 use mesh::Mesh;
 use path::{Direct, Tracing};
-use relievo::io::output::{Replace, write_atomically};
+use relievo::frame::{ColorPlanes, Plane};
 use render::Job;
 use stage::Setting;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Columns and rows of the urn by default: about two to a pixel of the pictures.
 const URN: [usize; 2] = [1100, 800];
-
-/// Height of an object on the table.
-const HEIGHT: f32 = 2.0;
 
 /// A small path tracer that warps and scales light on its way.
 #[derive(Debug, Parser)]
@@ -77,10 +67,10 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene to an EXR file that relievo reads.
+    /// Render a scene.
     Render(RenderArguments),
     /// Render the pictures of the guide as one.
-    PlacedTexture {
+    Sheet {
         /// A JPEG or PNG file.
         output: PathBuf,
         /// Paths per pixel; twice as many where there are mirrors.
@@ -90,26 +80,12 @@ enum Command {
         #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(16..=2000))]
         width: u32,
     },
-    /// Measure the cost of enhancement.
-    Timing {
-        /// Number of rounds; in each, every kind of rendering takes its turn.
-        #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000))]
-        rounds: u32,
-    },
-    /// Write the urn as OBJ.
-    Model {
-        /// An OBJ file.
-        output: PathBuf,
-    },
 }
 
 #[derive(Debug, clap::Args)]
 struct RenderArguments {
-    /// An EXR file.
+    /// A PNG or EXR file.
     output: PathBuf,
-    /// The object on the table, as OBJ; the urn by default.
-    #[arg(long)]
-    obj: Option<PathBuf>,
     /// Materials and lights.
     #[arg(long, value_enum, default_value = "mirrors")]
     setting: Setting,
@@ -131,9 +107,6 @@ struct RenderArguments {
     /// Width and height in pixels.
     #[arg(long, num_args = 2, default_values_t = [640, 480], value_parser = clap::value_parser!(u32).range(1..=16384))]
     size: Vec<u32>,
-    /// Add layers of where things are that mirrors and glass show: HitPosition.X, .Y and .Z.
-    #[arg(long)]
-    hit_positions: bool,
 }
 
 fn main() -> ExitCode {
@@ -143,26 +116,11 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     match arguments.command {
         Command::Render(arguments) => render(&arguments),
-        Command::PlacedTexture {
+        Command::Sheet {
             output,
             samples,
             width,
         } => sheet::write_sheet(&output, samples, width as usize),
-        Command::Timing { rounds } => {
-            print!("{}", timing::table(rounds as usize));
-            Ok(())
-        }
-        Command::Model { output } => {
-            let urn = the_urn();
-            write_atomically(&output, Replace::IfWritable, |w| {
-                urn.write(w).map_err(|source| relievo::Error::Io {
-                    path: output.clone(),
-                    action: "write",
-                    source,
-                })
-            })?;
-            Ok(())
-        }
     }
 }
 
@@ -174,14 +132,9 @@ fn render(arguments: &RenderArguments) -> Result<(), Box<dyn Error>> {
     if !(arguments.feature >= 0.0 && arguments.feature.is_finite()) {
         return Err(format!("--feature is {}: give 0 or more", arguments.feature).into());
     }
-    let thing = match &arguments.obj {
-        Some(path) => Mesh::read(path, HEIGHT)?,
-        None => the_urn(),
-    };
-    let scene = stage::scene(arguments.setting, thing);
     let size = [arguments.size[0], arguments.size[1]].map(|side| side as usize);
     let job = Job {
-        scene: &scene,
+        scene: &stage::scene(arguments.setting, the_urn()),
         camera: stage::camera(arguments.setting, size),
         tracing: Tracing {
             enhancement: Enhancement {
@@ -196,12 +149,21 @@ fn render(arguments: &RenderArguments) -> Result<(), Box<dyn Error>> {
         samples: arguments.samples,
         seed: 1,
     };
-    let extras = Extras {
-        hit_positions: arguments.hit_positions,
-        ambient_reach: HEIGHT,
-    };
-    write_layers(Path::new(&arguments.output), &job, extras)?;
-    Ok(())
+    let picture = planes(&job.pixels(), size);
+    Ok(common::write(
+        &arguments.output.to_string_lossy(),
+        &picture,
+    )?)
+}
+
+/// The light of pixels as planes.
+fn planes(light: &[Vec3], [width, height]: [usize; 2]) -> ColorPlanes {
+    let channel = |c: usize| Plane::from_fn(width, height, |x, y| light[y * width + x][c]);
+    ColorPlanes {
+        r: channel(0),
+        g: channel(1),
+        b: channel(2),
+    }
 }
 
 /// Surfaces that a path of the pictures may meet.

@@ -39,9 +39,4 @@ impl Camera {
             direction: direction.normalize(),
         }
     }
-
-    /// Depth: the distance along the axis of the view.
-    pub(crate) fn depth(&self, position: Vec3) -> f32 {
-        (self.eye - position).dot(self.back)
-    }
 }

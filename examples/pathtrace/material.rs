@@ -14,8 +14,6 @@ pub(crate) enum Material {
     Glossy(Glossy),
     /// A perfect mirror of this tint.
     Mirror(Vec3),
-    /// Clear glass of this index.
-    Glass(f32),
 }
 
 /// An Ashikhmin-Shirley surface without grain ([RS] section 5.2).
@@ -63,15 +61,7 @@ impl Glossy {
 impl Material {
     /// Whether light leaves in one direction alone.
     pub(crate) fn is_clear(&self) -> bool {
-        matches!(self, Self::Mirror(_) | Self::Glass(_))
-    }
-
-    /// Albedo of its diffuse lobe.
-    pub(crate) fn albedo(&self) -> Vec3 {
-        match self {
-            Self::Matte(albedo) | Self::Glossy(Glossy { albedo, .. }) => *albedo,
-            Self::Mirror(_) | Self::Glass(_) => Vec3::ZERO,
-        }
+        matches!(self, Self::Mirror(_))
     }
 
     /// Light from a direction above the surface reflected to the eye: BRDF times the cosine, per lobe.
@@ -99,7 +89,7 @@ impl Material {
                     Vec3::splat(model.specular(cosines) * FRAC_1_PI),
                 ]
             }
-            Self::Mirror(_) | Self::Glass(_) => [Vec3::ZERO; 2],
+            Self::Mirror(_) => [Vec3::ZERO; 2],
         }
     }
 
@@ -142,7 +132,6 @@ impl Material {
             Self::Matte(albedo) => albedo.max_element(),
             Self::Glossy(coat) => coat.albedo.max_element().max(0.5),
             Self::Mirror(tint) => tint.max_element(),
-            Self::Glass(_) => 1.0,
         };
         share.clamp(0.05, 0.95)
     }

@@ -11,7 +11,7 @@ use super::material::{Directions, Material, PerLobe};
 use super::sampler::Sampler;
 use super::scene::{Point, Scene};
 use glam::Vec3;
-use relievo::light::brdf::{fresnel, mirrored, refracted};
+use relievo::light::brdf::mirrored;
 use relievo::light::light_warping::counted_cosine;
 
 /// Sampling of direct light.
@@ -36,48 +36,6 @@ pub(crate) struct Tracing {
 
 /// Bounces that no path is ended before.
 const CERTAIN_BOUNCES: usize = 3;
-
-/// Light of a path by its route: the layers of a renderer.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Passes {
-    /// From lights via the surface to the eye, including the surface's colour.
-    pub(crate) direct: PerLobe<Vec3>,
-    /// Via other surfaces.
-    pub(crate) indirect: PerLobe<Vec3>,
-    /// From the surface itself.
-    pub(crate) emission: Vec3,
-    /// From the background.
-    pub(crate) background: Vec3,
-}
-
-impl Passes {
-    /// Sum of all.
-    pub(crate) fn sum(&self) -> Vec3 {
-        let [d, i] = [self.direct, self.indirect].map(|[diffuse, specular]| diffuse + specular);
-        d + i + self.emission + self.background
-    }
-
-    pub(crate) fn add(&mut self, other: &Self) {
-        for lobe in 0..2 {
-            self.direct[lobe] += other.direct[lobe];
-            self.indirect[lobe] += other.indirect[lobe];
-        }
-        self.emission += other.emission;
-        self.background += other.background;
-    }
-
-    /// Light that arrives at the eye by `bounces` surfaces.
-    fn bring(&mut self, bounces: usize, [diffuse, specular]: PerLobe<Vec3>, seen: bool) {
-        let lobes = match bounces {
-            0 if seen => return self.emission += diffuse,
-            0 => return self.background += diffuse,
-            1 => &mut self.direct,
-            _ => &mut self.indirect,
-        };
-        lobes[0] += diffuse;
-        lobes[1] += specular;
-    }
-}
 
 /// A vertex of a path, with everything needed to weight the light there.
 pub(crate) struct Vertex<'a> {
@@ -179,8 +137,8 @@ impl<'a> Vertex<'a> {
     pub(crate) fn bounce(&self, sampler: &mut Sampler) -> Option<Bounce> {
         let material = &self.point.object.material;
         let (lobe, at) = (sampler.one(), sampler.pair());
-        if material.is_clear() {
-            return Some(self.clear_bounce(lobe));
+        if let Material::Mirror(tint) = material {
+            return Some(self.mirrored(*tint));
         }
         let to_light = material.sampled(self.point.normal, self.to_eye, lobe, at);
         let (source, jacobian) = match &self.altered.warp {
@@ -201,43 +159,14 @@ impl<'a> Vertex<'a> {
         })
     }
 
-    /// Whether one direction, sampled by its cosine, is open for `reach`: warped ambient occlusion is the mean ([LW]
-    /// section 6.1). Light comes along the warped direction, and occluders block it there.
-    pub(crate) fn is_open_ambiently(
-        &self,
-        scene: &Scene,
-        reach: f32,
-        sampler: &mut Sampler,
-    ) -> bool {
-        let even = Material::Matte(Vec3::ONE);
-        let direction = even.sampled(self.point.normal, self.to_eye, 0.0, sampler.pair());
-        let source = match &self.altered.warp {
-            Some(warp) => warp.warped(direction),
-            None => direction,
-        };
-        self.is_above(source) && scene.is_open(&self.point.leaving(source), reach)
-    }
-
-    /// Mirrors and glass: one direction, or one of two by chance. The half vector is the normal, so that
-    /// [RS] section 5.2 scales by the full intensity; directions are not warped.
-    fn clear_bounce(&self, choice: f32) -> Bounce {
-        let (normal, to_eye) = (self.point.normal, self.to_eye);
-        let (n, e) = (normal.to_array(), to_eye.to_array());
-        let reflection = Vec3::from(mirrored(n, e));
-        let (direction, tint) = match self.point.object.material {
-            Material::Glass(ior) => {
-                let ior = if self.point.inside { 1.0 / ior } else { ior };
-                let share = fresnel(normal.dot(to_eye), ior);
-                let through = refracted(n, e, ior).filter(|_| choice >= share);
-                (through.map_or(reflection, Vec3::from), Vec3::ONE)
-            }
-            Material::Mirror(tint) => (reflection, tint),
-            Material::Matte(_) | Material::Glossy(_) => unreachable!("neither is clear"),
-        };
+    /// Mirrors: one direction. The half vector is the normal, so that [RS] section 5.2 scales by the full intensity;
+    /// directions are not warped.
+    fn mirrored(&self, tint: Vec3) -> Bounce {
+        let direction = mirrored(self.point.normal.to_array(), self.to_eye.to_array());
         let scale = self.altered.scale.as_ref();
         let factor = scale.map_or(1.0, |scale| scale.factors([1.0; 2])[1]);
         Bounce {
-            direction: direction.normalize(),
+            direction: Vec3::from(direction).normalize(),
             weight: [Vec3::ZERO, factor * tint],
             density: None,
         }
@@ -250,10 +179,8 @@ pub(crate) fn light_along(
     mut ray: Ray,
     tracing: &Tracing,
     sampler: &mut Sampler,
-) -> Passes {
-    let mut passes = Passes::default();
-    // Throughput of the path so far, by the lobe of its first bounce; from the eye there is only one.
-    let mut through = [Vec3::ONE, Vec3::ZERO];
+) -> Vec3 {
+    let (mut light, mut through) = (Vec3::ZERO, Vec3::ONE);
     let mut density: Option<f32> = None;
     for bounces in 0..=tracing.max_bounces {
         let met = scene.met(&ray);
@@ -269,8 +196,7 @@ pub(crate) fn light_along(
                 (Some(own), Some(other)) => weight(tracing.direct, Direct::Lookups, own, other),
                 _ => 1.0,
             };
-            let brought = through.map(|t| t * radiance * weight);
-            passes.bring(bounces, brought, met.is_some());
+            light += weight * through * radiance;
         }
         let Some((point, _)) = met else { break };
         if bounces == tracing.max_bounces {
@@ -282,33 +208,24 @@ pub(crate) fn light_along(
         if is_looked_for && let Some(found) = vertex.find_light(scene, sampler) {
             let [own, other] = found.densities;
             let weight = weight(tracing.direct, Direct::Lights, own, other);
-            let light = found.light.map(|light| light * (found.jacobian * weight));
-            passes.bring(bounces + 1, split(bounces, through, light), true);
+            light += found.jacobian * weight * through * (found.light[0] + found.light[1]);
         }
         // On to the next surface.
         let Some(bounce) = vertex.bounce(sampler) else {
             break;
         };
-        through = split(bounces, through, bounce.weight);
+        through *= bounce.weight[0] + bounce.weight[1];
         density = bounce.density;
         if bounces >= CERTAIN_BOUNCES {
             let survival = point.object.material.survival();
             if sampler.one() >= survival {
                 break;
             }
-            through = through.map(|t| t / survival);
+            through /= survival;
         }
         ray = point.leaving(bounce.direction);
     }
-    passes
-}
-
-/// Throughput with one more bounce: the first one splits it by lobe, later ones sum theirs.
-fn split(bounces: usize, through: PerLobe<Vec3>, weight: PerLobe<Vec3>) -> PerLobe<Vec3> {
-    match bounces {
-        0 => weight.map(|weight| weight * through[0]),
-        _ => through.map(|through| through * (weight[0] + weight[1])),
-    }
+    light
 }
 
 /// The power heuristic: weight of a sample drawn by `way` with the density `own`, which the other way draws with the

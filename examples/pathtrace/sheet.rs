@@ -6,7 +6,7 @@ use super::path::{Direct, Tracing};
 use super::render::Job;
 use super::scene::Scene;
 use super::stage::{self, Setting};
-use super::{MAX_BOUNCES, the_urn};
+use super::{MAX_BOUNCES, planes, the_urn};
 use glam::Vec3;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -103,17 +103,8 @@ fn picture(
         samples,
         seed: 1,
     };
-    let pixels = job.pixels();
-    let channel = |c: usize| {
-        Plane::from_fn(size[0], size[1], |x, y| {
-            shown(pixels[y * size[0] + x].passes.sum())[c]
-        })
-    };
-    ColorPlanes {
-        r: channel(0),
-        g: channel(1),
-        b: channel(2),
-    }
+    let shown: Vec<Vec3> = job.pixels().into_iter().map(shown).collect();
+    planes(&shown, size)
 }
 
 /// Value from which highlights are compressed.

@@ -22,8 +22,6 @@ pub(crate) enum Setting {
     Glazed,
     /// Bronze before mirrors: [RS] figure 10.
     Mirrors,
-    /// The same, one of the mirrors a ball of glass.
-    Glass,
     /// Plaster under an area light: [RS] figure 11.
     Lamp,
 }
@@ -42,12 +40,9 @@ pub(crate) fn scene(setting: Setting, thing: Mesh) -> Scene {
                 .mesh(thing, Material::Glossy(glaze))
                 .surroundings(room(ROOM_WIDTH))
         }
-        Setting::Mirrors | Setting::Glass => {
+        Setting::Mirrors => {
             let bronze = Glossy::new(Vec3::new(0.42, 0.24, 0.11), 40.0, 0.12);
-            let ball = match setting {
-                Setting::Glass => Material::Glass(1.5),
-                _ => Material::Mirror(Vec3::splat(0.93)),
-            };
+            let ball = Material::Mirror(Vec3::splat(0.93));
             builder
                 .mesh(thing, Material::Glossy(bronze))
                 .mesh(standing_mirror(), Material::Mirror(Vec3::splat(0.9)))
@@ -80,7 +75,7 @@ pub(crate) fn camera(setting: Setting, size: [usize; 2]) -> Camera {
             21.0,
             size,
         ),
-        Setting::Mirrors | Setting::Glass => Camera::new(
+        Setting::Mirrors => Camera::new(
             Vec3::new(-0.2, 2.1, 6.8),
             Vec3::new(0.36, 0.93, 0.0),
             22.5,

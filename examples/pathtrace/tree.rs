@@ -29,9 +29,6 @@ pub(crate) struct Tree {
     shapes: Vec<Shape>,
 }
 
-/// Boxes put off that a walk keeps at hand; a tree that is deeper costs memory.
-const AT_HAND: usize = 64;
-
 /// Least component of a direction: its reciprocal times no distance at all is 0 and no NaN.
 const LEAST_COMPONENT: f32 = 1e-20;
 
@@ -111,8 +108,7 @@ impl Tree {
     fn walk(&self, ray: &Ray, mut farthest: f32, mut each: impl FnMut(Hit) -> Option<f32>) {
         let steep = ray.direction.abs().max(Vec3::splat(LEAST_COMPONENT));
         let inverse = steep.copysign(ray.direction).recip();
-        let mut pending = [(Child::Node(0), 0.0_f32); AT_HAND];
-        let (mut count, mut further) = (0, Vec::new());
+        let mut pending: Vec<(Child, f32)> = Vec::with_capacity(64);
         let Some(mut child) = self.root else { return };
         loop {
             match child {
@@ -137,13 +133,7 @@ impl Tree {
                     match entries {
                         [Some(a), Some(b)] => {
                             let near = usize::from(b < a);
-                            let later = (node.children[1 - near], a.max(b));
-                            if count < AT_HAND {
-                                pending[count] = later;
-                                count += 1;
-                            } else {
-                                further.push(later);
-                            }
+                            pending.push((node.children[1 - near], a.max(b)));
                             child = node.children[near];
                             continue;
                         }
@@ -161,13 +151,8 @@ impl Tree {
             }
             // Back to the last box put off, unless a hit before it has been found since.
             loop {
-                let (next, entry) = match further.pop() {
-                    Some(later) => later,
-                    None if count == 0 => return,
-                    None => {
-                        count -= 1;
-                        pending[count]
-                    }
+                let Some((next, entry)) = pending.pop() else {
+                    return;
                 };
                 if entry < farthest {
                     child = next;
