@@ -73,8 +73,12 @@ fn is_behind_rim(
     let columns = x.saturating_sub(reach)..(x + reach + 1).min(depth.width());
     rows.flat_map(|v| columns.clone().map(move |u| [u, v]))
         .any(|[u, v]| {
-            let goes_on = slope[0] * u.abs_diff(x) as f32 + slope[1] * v.abs_diff(y) as f32;
-            silhouette.at(u, v) >= RIM && depth.at(u, v) < behind - goes_on
+            let [across, down] = [u.abs_diff(x), v.abs_diff(y)];
+            let goes_on = slope[0] * across as f32 + slope[1] * down as f32;
+            // A disc to half a pixel: halos are as wide along diagonals.
+            across * across + down * down <= reach * (reach + 1)
+                && silhouette.at(u, v) >= RIM
+                && depth.at(u, v) < behind - goes_on
         })
 }
 

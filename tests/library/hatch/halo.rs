@@ -5,6 +5,7 @@ use glam::{DAffine3, DVec3};
 use relievo::frame::{Camera, Mask, Projection, Vector3Planes};
 use relievo::params::Background;
 use relievo::scenes::Surface;
+use std::collections::HashSet;
 
 /// The tone that strokes are to have, with a halo of this factor; levels are given, so that nothing else differs.
 pub(super) fn asked(frame: &Frame, halo: f32) -> Plane {
@@ -99,32 +100,50 @@ fn a_surface_alone_bares_none_of_its_own_pixels() {
 }
 
 #[test]
-fn a_ball_before_a_wall_has_a_whole_ring_around_it() {
-    // The wall is two radii behind the ball's rim.
-    let scene = ExactScene::orthographic(Surface::ball(60.0), 100.0, 100.0).at_distance(300.0);
-    let mut frame = bare(scene.frame(200, 200));
-    let on_ball = frame.mask.clone();
-    let beside = |plane: &Plane, wall: f32| {
-        Plane::from_fn(200, 200, |x, y| match on_ball.at(x, y) {
-            true => plane.at(x, y),
-            false => wall,
-        })
+fn a_ball_before_a_wall_has_a_whole_ring_of_one_width_around_it() {
+    // Of factor 14 the halo is 14 / 350 of 200 pixels wide.
+    let (size, halo, width) = (200, 14.0, 8);
+    // Walls turned by so much, so far behind the ball that all of them is.
+    let before_wall = |degrees: f64, far: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let wall = Surface::plane(DVec3::new(0.6 * sin, -0.8 * sin, cos));
+        let mut scene = ExactScene::orthographic(Surface::ball(60.0), 100.3, 99.4);
+        scene.surfaces.push(wall.moved(DVec3::new(0.0, 0.0, -far)));
+        scene
     };
-    frame.depth = Some(beside(frame.depth.as_ref().unwrap(), 420.0));
-    frame.normal.z = beside(&frame.normal.z, 1.0);
-    frame.mask = Mask::full(200, 200);
-    // Of factor 4 the halo is 4 / 350 of 200 pixels wide, 2.3: two pixels.
-    let (pixels, with) = changed(&frame, 4.0);
-    for [x, y] in pixels {
-        assert!(!on_ball.at(x, y), "{x}, {y} is the ball's own");
-    }
-    for step in 0..720 {
-        let angle = f64::from(step).to_radians() / 2.0;
-        let at = |radius: f64| {
-            let place = DVec3::new(angle.cos(), angle.sin(), 0.0) * radius + DVec3::splat(100.0);
-            [place.x as usize, place.y as usize]
-        };
-        let [x, y] = at(61.2);
-        assert!(with.at(x, y) == 0.0, "{step}: {x}, {y} has ink");
+    let seen_from = |distance: f64, scene: ExactScene| scene.at_distance(distance).in_perspective();
+    for (name, scene) in [
+        ("level", before_wall(0.0, 300.0)),
+        ("at 60 degrees", before_wall(60.0, 600.0)),
+        ("at 87 degrees", before_wall(87.0, 3500.0)),
+        ("near", seen_from(400.0, before_wall(0.0, 300.0))),
+        (
+            "near, at 60 degrees",
+            seen_from(500.0, before_wall(60.0, 600.0)),
+        ),
+    ] {
+        let (pixels, with) = changed(&bare(scene.frame(size, size)), halo);
+        let changed: HashSet<[usize; 2]> = pixels.into_iter().collect();
+        let ball = Plane::from_fn(size, size, |x, y| {
+            scene.exact(x, y).is_some_and(|seen| seen.surface == 0)
+        });
+        for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+            let case = format!("{name}: {x}, {y}");
+            if ball.at(x, y) {
+                assert!(!changed.contains(&[x, y]), "{case} is the ball's own");
+                continue;
+            }
+            let around = |i: usize| i.saturating_sub(width + 1)..(i + width + 2).min(size);
+            let nearest = around(y)
+                .flat_map(|v| around(x).map(move |u| [u, v]))
+                .filter(|&[u, v]| ball.at(u, v))
+                .map(|[u, v]| f64::hypot(u as f64 - x as f64, v as f64 - y as f64))
+                .fold(f64::INFINITY, f64::min);
+            if nearest <= width as f64 {
+                assert!(with.at(x, y) == 0.0, "{case} has ink");
+            } else if nearest > width as f64 + 0.5 {
+                assert!(!changed.contains(&[x, y]), "{case} is beyond the ring");
+            }
+        }
     }
 }
