@@ -117,9 +117,9 @@ params! {
         /// Source of tone: the picture after radiance scaling, the picture unchanged, or new light; auto shows the
         /// shape, with a key light and the picture, or new light where any is given.
         tone: ToneSource = ToneSource::Auto, flag: "--tone", common: true, form: "SOURCE", group: Group::Tone;
-        /// Enlargement of the picture before drawing; auto makes small pictures large enough for strokes, as --style auto
-        /// does where it engraves a picture or SVG.
-        enlarge: Enlargement = Enlargement::Times(1), flag: "--enlarge", common: true, form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
+        /// Enlargement of the picture before drawing; auto makes small pictures large enough for strokes. Without it
+        /// --style auto does so where it engraves a picture or SVG; 1 draws that, too, as large as the frame.
+        enlarge: Option<Enlargement> = None, flag: "--enlarge", common: true, form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
         /// Paper to fit, as in 210x297mm, 21x29.7cm or 8.5x11in: the drawing is enlarged to that size at --dpi.
         size: Option<PaperSize> = None, flag: "--size", common: true, form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
         /// Page of an SVG: A3, A4, or a size as in 210x297mm. The drawing is scaled to fit inside its margin, centred,

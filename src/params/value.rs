@@ -92,12 +92,17 @@ impl Value for bool {
     }
 }
 
+/// The word for no value, unless it is a value itself.
+fn word_for_none<T: Value>(row: &Param) -> Option<&'static str> {
+    row.word().filter(|word| T::parse(word, row).is_err())
+}
+
 /// An optional number, or one with a word for none.
 impl<T: Value> Value for Option<T> {
     const KIND: Kind = T::KIND;
 
     fn parse(text: &str, row: &Param) -> Result<Self, String> {
-        let Some(word) = row.word() else {
+        let Some(word) = word_for_none::<T>(row) else {
             return T::parse(text, row).map(Some);
         };
         if text == word {
@@ -116,7 +121,7 @@ impl<T: Value> Value for Option<T> {
     fn text(&self, row: &Param) -> Option<String> {
         match self {
             Some(value) => value.text(row),
-            None => row.word().map(String::from),
+            None => word_for_none::<T>(row).map(String::from),
         }
     }
 

@@ -222,7 +222,7 @@ impl HatchArgs {
     /// of any size.
     fn enlarges_by_itself(&self, frame: &Frame) -> bool {
         let params = &self.relight.work.flags.params;
-        let is_asked = params.enlarge != Enlargement::Times(1) || params.size.is_some();
+        let is_asked = params.enlarge.is_some() || params.size.is_some();
         let output = &self.relight.work.output;
         let has_size = match output.output {
             Some(_) => !output.is_svg() && !matches!(output.kind(), Ok(OutputKind::Picture(_))),

@@ -32,6 +32,17 @@ fn light(photo: &Photo) -> f32 {
 }
 
 #[test]
+fn an_engraving_that_nobody_chose_is_enlarged_unless_a_factor_is_given() {
+    let desk = tempfile::tempdir().unwrap();
+    // 480 x 360 pixels: to strokes of scale 1 it lacks a factor of 1320 / 415.7 = 3.2.
+    for (words, times) in [("", 4), ("--enlarge 1", 1), ("--enlarge 2", 2)] {
+        let drawing = drawn(desk.path(), "bust.exr", words);
+        let size = (drawing.width, drawing.height);
+        assert_eq!(size, (480 * times, 360 * times), "{words}");
+    }
+}
+
+#[test]
 fn renders_and_photos_are_drawn_with_every_tool() {
     let desk = tempfile::tempdir().unwrap();
     let normal = fixture("tablet.normal.png");

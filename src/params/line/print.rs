@@ -1,6 +1,6 @@
 //! Paper sizes for print.
 
-use super::strokes::{MAX_TIMES, MM_PER_INCH};
+use super::strokes::{Enlargement, MAX_TIMES, MM_PER_INCH};
 use crate::error::{Error, Result, bad};
 use crate::params::table::Kind;
 use crate::params::value::{Value, finite};
@@ -112,7 +112,8 @@ impl Params {
             Some(paper) => paper.factor(size_px, pixel_aspect, self.line.strokes.print_dpi()),
             None => {
                 let [width, height] = size_px;
-                Ok(self.enlarge.times(((width * height) as f32).sqrt()) as f64)
+                let times = self.enlarge.unwrap_or(Enlargement::Times(1));
+                Ok(times.times(((width * height) as f32).sqrt()) as f64)
             }
         }
     }

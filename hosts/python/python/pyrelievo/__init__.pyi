@@ -409,7 +409,7 @@ def hatch(
     fallback: _Value | None = 45,
     passes: float | Sequence[float] | None = 3,
     smoothing: float | Sequence[float] | None = 6,
-    enlarge: _Value | None = 1,
+    enlarge: _Value | None = None,
     size: _Value | None = None,
     page: _Value | None = None,
     margin: _Value | None = 12,
