@@ -36,3 +36,4 @@ pub(crate) mod stroke_texture;
 pub mod texture_coordinates;
 pub mod tonal_art_map;
 pub(crate) mod tone;
+mod turning;

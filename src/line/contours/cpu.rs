@@ -13,8 +13,9 @@ use crate::params::{ContourParams, ObjectLines, ShapeParams};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Widest gap in a line that is closed, in pixels.
+/// Widest gap in a line that is closed, in pixels, and in those of the frame before it was enlarged.
 const GAP_PX: f32 = 8.0;
+const GAP_STEPS: f32 = 3.0;
 
 /// Distance at which a silhouette ends at one that is not straight ahead, in pixels.
 const ASIDE_PX: f32 = 3.0;
@@ -22,12 +23,15 @@ const ASIDE_PX: f32 = 3.0;
 /// Smallest cosine of the angle between a line's direction and a silhouette that it is led to.
 const AHEAD: f32 = 0.4;
 
+/// Length of the shortest line for each pixel that one of the frame grew by as it was enlarged: shorter ones are remains of
+/// pixels.
+const SHORTEST: f32 = 3.0;
+
 /// Silhouettes this many times as long as the shortest are drawn however faint: noise makes short ones.
 const LONG: f32 = 4.0;
 
-/// Creases are drawn from this many times the length of silhouettes on: a hollow darker than its surroundings is
-/// visible without a line, and a rough surface is full of short ones.
-const CREASE_LENGTHS: f32 = 2.0;
+/// Borders between objects are drawn from this many times the length of other lines on.
+const OBJECT_LENGTHS: f32 = 2.0;
 
 /// The weight that a crease must have somewhere.
 const PLAIN_CREASE: f32 = 0.5;
@@ -40,20 +44,22 @@ pub(crate) fn contours(
     params: &ContourParams,
 ) -> Vec<Contour> {
     let frame = drawn.frame;
+    let shortest_px = params.shortest_px.max(SHORTEST * (params.step_px - 1.0));
+    let gap_px = GAP_PX.max(GAP_STEPS * params.step_px);
     let there = "contours are planned with their weights";
     let [silhouette, crease] = [drawn.silhouette, drawn.crease].map(|w| w.expect(there));
     let mut silhouettes = silhouettes::lines(silhouette, frame, shape, params);
-    close_gaps(&mut silhouettes, GAP_PX, None);
+    close_gaps(&mut silhouettes, gap_px, None);
     let least = Least {
-        length_px: params.shortest_px,
+        length_px: shortest_px,
         strength: strength_of_gap(shape.silhouette.hi),
-        long_px: LONG * params.shortest_px,
+        long_px: LONG * shortest_px,
         by_strength: false,
     };
     drop_short(&mut silhouettes, least);
     let ground = Ground::new(&silhouettes, frame, params);
     let onward = Onward {
-        ahead: GAP_PX,
+        ahead: gap_px,
         aside: ASIDE_PX,
         straight: AHEAD,
         are_own: true,
@@ -61,8 +67,8 @@ pub(crate) fn contours(
     ground.join_ends(&mut silhouettes, onward);
     let mut creases = Vec::new();
     if params.has_creases() {
-        creases = creases::lines(crease, &ground, frame, params);
-        close_gaps(&mut creases, GAP_PX, Some(&ground));
+        creases = creases::lines([crease, silhouette], &ground, frame, params);
+        close_gaps(&mut creases, gap_px, Some(&ground));
         let occluders = Occluders {
             outlines: &ground,
             frame,
@@ -71,7 +77,7 @@ pub(crate) fn contours(
         };
         occluders.unite(&mut creases);
         let least = Least {
-            length_px: CREASE_LENGTHS * params.shortest_px,
+            length_px: shortest_px,
             strength: PLAIN_CREASE,
             long_px: f32::INFINITY,
             by_strength: true,
@@ -86,7 +92,7 @@ pub(crate) fn contours(
         for (i, line) in silhouettes.iter_mut().enumerate() {
             line.part = i;
         }
-        close_gaps(&mut silhouettes, GAP_PX, Some(&ground));
+        close_gaps(&mut silhouettes, gap_px, Some(&ground));
         creases = silhouettes.split_off(count);
         let onto_silhouettes = Onward {
             aside: ground.beside_px(),
@@ -135,7 +141,7 @@ fn between_objects<'a>(
     let mut lines = objects::lines(numbers, &ground, frame, params);
     close_gaps(&mut lines, GAP_PX, Some(&ground));
     let least = Least {
-        length_px: CREASE_LENGTHS * params.shortest_px,
+        length_px: OBJECT_LENGTHS * params.shortest_px,
         strength: 0.0,
         long_px: 0.0,
         by_strength: false,

@@ -64,12 +64,6 @@ struct Tip {
 /// Branches of a line with fewer steps than this are remains of thinning, or of noise.
 const SHORTEST_BRANCH: usize = 4;
 
-/// Links between lines side by side of at most so many steps are rungs: remains of thinning a band that both bound.
-const RUNG: usize = 3;
-
-/// Largest cosine of the angle between a rung and the lines that it links: of 50 degrees.
-const RUNG_ACROSS: f32 = 0.64;
-
 /// Spots past which a strand's direction at its end is measured.
 const DIRECTION_REACH: usize = 6;
 
@@ -77,7 +71,7 @@ const DIRECTION_REACH: usize = 6;
 const STRAIGHT: f32 = 0.77;
 
 /// The lines along the links of `lattice`. `spots` gives those of a path, without its junctions; open-ended branches
-/// with fewer steps than `SHORTEST_BRANCH` are dropped, and so are rungs and the fainter sides of slivers. Lines that end
+/// with fewer steps than `SHORTEST_BRANCH` are dropped, and so are those with most spots beside another. Lines that end
 /// within `rim` steps of the border of the picture continue beyond it. All lines are smoothed before their ends are
 /// joined.
 pub(crate) fn lines(
@@ -87,7 +81,7 @@ pub(crate) fn lines(
     rim: usize,
     smoothing: Smoothing,
 ) -> Vec<Line> {
-    let strands: Vec<Strand> = lattice
+    let mut strands: Vec<Strand> = lattice
         .paths()
         .into_iter()
         .map(|path| Strand {
@@ -104,58 +98,14 @@ pub(crate) fn lines(
     };
     let shortest = smoothing.steps(SHORTEST_BRANCH);
     let is_short = |strand: &Strand| strand.spots.len() < shortest && is_branch(strand);
-    let doubled = doubled(&strands, is_junction, smoothing.steps(SLIVER));
-    let strands: Vec<Strand> = (strands.into_iter().zip(doubled))
-        .filter(|(strand, is_doubled)| !is_doubled && !is_short(strand))
-        .map(|(strand, _)| strand)
-        .collect();
-    let mut network = Network::new(strands, is_junction, &place);
-    network.pair();
-    if network.drop_rungs(smoothing.steps(RUNG)) {
-        network = Network::new(network.strands, is_junction, &place);
-        network.pair();
-    }
-    network.lines(|node| lattice.on_rim(node, rim), smoothing)
-}
-
-/// Most steps of either side of a sliver.
-const SLIVER: usize = 12;
-
-/// Which strands are redundant beside another: those with most spots close to another; the fainter of two short ones
-/// between the same junctions, of at most `sliver` spots; and small rings.
-fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool, sliver: usize) -> Vec<bool> {
-    let plainness = |i: usize| {
-        strands[i]
-            .spots
-            .iter()
-            .map(|spot| spot.strength)
-            .sum::<f32>()
-    };
-    let mut sides: Vec<([u32; 2], usize)> = (0..strands.len())
-        .filter(|&i| strands[i].spots.len() <= sliver && !strands[i].closed)
-        .filter(|&i| strands[i].nodes.iter().all(|&node| is_junction(node)))
-        .map(|i| {
-            let [a, b] = strands[i].nodes;
-            ([a.min(b), a.max(b)], i)
-        })
-        .collect();
-    sides.sort_unstable();
     let is_beside = |strand: &Strand| {
         let beside = strand.spots.iter().filter(|spot| spot.is_beside).count();
         2 * beside > strand.spots.len()
     };
-    let mut doubled: Vec<bool> = strands.iter().map(is_beside).collect();
-    for same in sides.chunk_by(|a, b| a.0 == b.0) {
-        let is_ring = same[0].0[0] == same[0].0[1];
-        let plainest = same
-            .iter()
-            .map(|&(_, i)| i)
-            .max_by(|&a, &b| plainness(a).total_cmp(&plainness(b)));
-        for &(_, i) in same {
-            doubled[i] |= is_ring || plainest != Some(i);
-        }
-    }
-    doubled
+    strands.retain(|strand| !is_beside(strand) && !is_short(strand));
+    let mut network = Network::new(strands, is_junction, &place);
+    network.pair();
+    network.lines(|node| lattice.on_rim(node, rim), smoothing)
 }
 
 /// Disjoint sets of nodes or lines, with a number for each set.
@@ -272,27 +222,6 @@ impl Network {
                 }
             }
         }
-    }
-
-    /// Drops strands of at most so many spots that link the sides of lines which run on past both of their ends; returns
-    /// whether there were any.
-    fn drop_rungs(&mut self, most: usize) -> bool {
-        let mut ends_across = vec![0; self.strands.len()];
-        for tips in &self.junctions {
-            let runs_on = |tip: &&Tip| self.onward[tip.strand][tip.end].is_some();
-            let through: Vec<Vec2> = tips.iter().filter(runs_on).map(|tip| tip.away).collect();
-            for tip in tips.iter().filter(|tip| !runs_on(tip)) {
-                let is_across = |away: &Vec2| tip.away.dot(*away).abs() < RUNG_ACROSS;
-                if !through.is_empty() && through.iter().all(is_across) {
-                    ends_across[tip.strand] += 1;
-                }
-            }
-        }
-        let before = self.strands.len();
-        let mut ends_across = ends_across.into_iter();
-        self.strands
-            .retain(|strand| ends_across.next() != Some(2) || strand.spots.len() > most);
-        self.strands.len() < before
     }
 
     /// The strands of each line in order, each with the end it is entered at, and whether the line closes.

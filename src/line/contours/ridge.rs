@@ -1,21 +1,69 @@
-//! Ridges of a weight: wide bands of pixels thinned to lines one pixel wide.
+//! Lines through crests: bands of pixels thinned to lines one pixel wide.
 
 use crate::line::contours::lattice::{Lattice, NodePath, STEPS};
 use crate::line::contours::network::{self, Line, Spot};
 use crate::line::contours::smoothing::Smoothing;
+use crate::line::interior::crests::Crest;
 use glam::Vec2;
 
-/// Pixels with weights; those above 0 form bands.
-#[derive(Debug)]
-pub(crate) struct Bands<'a> {
-    /// Number of columns.
-    pub width: usize,
-    /// Number of rows.
-    pub height: usize,
-    /// The pixels in bands, in order.
-    pub pixels: &'a [u32],
-    /// The weight of every pixel of the picture, 0..1; 0 outside the bands.
-    pub weight: &'a [f32],
+/// The smooth lines through crests, and the pixels of `corners` between them, which are on a grid of this size in row order;
+/// `log_depth` gives that at a pixel.
+pub(in crate::line) fn lines(
+    crests: &[Crest],
+    corners: &[u32],
+    [width, height]: [usize; 2],
+    log_depth: impl Fn(u32) -> f32,
+    smoothing: Smoothing,
+) -> Vec<Line> {
+    let pixels: Vec<u32> = crests.iter().map(|crest| crest.pixel).collect();
+    let bands = Bands {
+        width,
+        height,
+        pixels: &pixels,
+    };
+    let ridges = bands.ridges(corners);
+    let crest_at = |pixel: u32| {
+        let found = crests.binary_search_by_key(&pixel, |crest| crest.pixel);
+        found.ok().map(|i| crests[i])
+    };
+    let spot = |pixel: u32| {
+        // Where an edge between pixels has crests on both its sides, it is amid those that are left and those that are not.
+        let beside = bands.all_beside(pixel).into_iter().flatten();
+        let is_gone = |&there: &u32| smoothing.is_stepped && ridges.degree(there) == 0;
+        let gone = beside.map(|there| there as u32).filter(is_gone);
+        let gone: Vec<Crest> = gone.filter_map(crest_at).collect();
+        let amid = gone.iter().map(|crest| crest.at).sum::<Vec2>() / gone.len().max(1) as f32;
+        // None at a corner, or in a gap.
+        let own = crest_at(pixel);
+        let at = own.map_or(bands.centre(pixel), |crest| crest.at);
+        let of_gone = || gone.iter().map(|crest| crest.strength).fold(0.0, f32::max);
+        Spot {
+            at: if gone.is_empty() {
+                at
+            } else {
+                at.midpoint(amid)
+            },
+            strength: own.map_or_else(of_gone, |crest| crest.strength),
+            log_depth: log_depth(pixel),
+            is_beside: false,
+        }
+    };
+    let spots = |path: &NodePath| {
+        let last = path.nodes.len() - 1;
+        let is_junction = |i: usize| (i == 0 || i == last) && ridges.degree(path.nodes[i]) > 2;
+        let inner = path.nodes.iter().enumerate();
+        let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
+        inner.map(|(_, &pixel)| spot(pixel)).collect()
+    };
+    network::lines(&ridges, |pixel| bands.centre(pixel), spots, RIM, smoothing)
+}
+
+/// Pixels in bands.
+struct Bands<'a> {
+    width: usize,
+    height: usize,
+    /// The pixels, in order.
+    pixels: &'a [u32],
 }
 
 impl Bands<'_> {
@@ -44,40 +92,27 @@ impl Bands<'_> {
     }
 
     /// The middle of a pixel, in picture coordinates.
-    pub(crate) fn centre(&self, pixel: u32) -> Vec2 {
+    fn centre(&self, pixel: u32) -> Vec2 {
         let [x, y] = self.place(pixel);
         Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
     }
 
-    /// The smooth lines along the ridges, through a spot for each of their pixels.
-    pub(crate) fn lines(&self, spot: impl Fn(u32) -> Spot, smoothing: Smoothing) -> Vec<Line> {
-        let ridges = self.ridges();
-        let spots = |path: &NodePath| {
-            let last = path.nodes.len() - 1;
-            let is_junction = |i: usize| (i == 0 || i == last) && ridges.degree(path.nodes[i]) > 2;
-            let inner = path.nodes.iter().enumerate();
-            let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
-            inner.map(|(_, &pixel)| spot(pixel)).collect()
-        };
-        network::lines(&ridges, |pixel| self.centre(pixel), spots, RIM, smoothing)
-    }
-
-    /// The lines that the bands are thinned to, connected as the bands are: pixels are removed, those with the least
-    /// weight around them first, as long as that neither breaks a line nor shortens one that is a pixel wide.
-    fn ridges(&self) -> Lattice {
-        let filled = self.gaps();
+    /// The lines that the bands are thinned to, connected as the bands are: pixels are removed as long as that neither
+    /// breaks a line nor shortens one that is a pixel wide.
+    fn ridges(&self, corners: &[u32]) -> Lattice {
         let mut left = Left {
             bands: self,
             around: vec![0; self.width * self.height],
         };
-        for &pixel in self.pixels.iter().chain(&filled) {
+        let mut waiting = self.gaps();
+        waiting.extend(corners);
+        for &pixel in self.pixels.iter().chain(&waiting) {
             left.set(pixel, true);
         }
-        let mut waiting = Vec::new();
-        for level in self.by_weight_around(&filled) {
-            waiting.extend(level);
-            left.thin(&mut waiting);
-        }
+        // Crests are thinned last: lines go through them.
+        left.thin(&mut waiting);
+        waiting.extend(self.pixels);
+        left.thin(&mut waiting);
         // The remainder is wider than any edge, or the whole picture: it need not be centred.
         while left.take(&mut waiting, |_, _| true) {}
         waiting.sort_unstable();
@@ -112,39 +147,6 @@ impl Bands<'_> {
         gaps.sort_unstable();
         gaps.dedup();
         gaps
-    }
-
-    /// The pixels by level, those with the least weight around them first.
-    fn by_weight_around(&self, filled: &[u32]) -> [Vec<u32>; LEVELS] {
-        let mut levels = [(); LEVELS].map(|()| Vec::new());
-        for &pixel in self.pixels.iter().chain(filled) {
-            let mut sum = 4.0 * self.weight[pixel as usize].max(0.0);
-            for (i, there) in self.all_beside(pixel).into_iter().enumerate() {
-                let share = if i % 2 == 0 { 2.0 } else { 1.0 };
-                sum += share * there.map_or(0.0, |there| self.weight[there].max(0.0));
-            }
-            let level = (sum * (LEVELS as f32 / 16.0)) as usize;
-            levels[level.min(LEVELS - 1)].push(pixel);
-        }
-        levels
-    }
-
-    /// The middle of the weights around a pixel, in picture coordinates: of a band two pixels wide it is the
-    /// crack between them.
-    pub(crate) fn middle(&self, pixel: u32) -> Vec2 {
-        let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize].max(0.0));
-        for (step, there) in STEPS.into_iter().zip(self.all_beside(pixel)) {
-            // A weight of no meaning counts as none.
-            let weight = there.map_or(0.0, |there| self.weight[there].max(0.0));
-            sum += weight * Vec2::new(step[0] as f32, step[1] as f32);
-            weights += weight;
-        }
-        let offset = if weights > 0.0 {
-            sum / weights
-        } else {
-            Vec2::ZERO
-        };
-        self.centre(pixel) + offset
     }
 }
 
@@ -217,9 +219,6 @@ const RIM: usize = 2;
 /// Bands at most this many pixels apart are one.
 const WIDEST_GAP: usize = 2;
 
-/// Levels of weight that are taken away one after the other.
-const LEVELS: usize = 4;
-
 /// Layers that are taken from all sides: enough for bands of twice as many pixels.
 const MOST_LAYERS: usize = 6;
 
@@ -255,7 +254,6 @@ const fn is_simple(bits: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::contours::lattice::NodePath;
 
     fn ridges_of(width: usize, height: usize, weight: &[f32]) -> Vec<u32> {
         let pixels: Vec<u32> = (0..weight.len() as u32)
@@ -265,26 +263,25 @@ mod tests {
             width,
             height,
             pixels: &pixels,
-            weight,
         };
-        bands.ridges().linked
+        bands.ridges(&[]).linked
     }
 
     #[test]
-    fn a_band_becomes_a_line_along_its_crest() {
-        // Three rows of five, the middle one the heaviest.
+    fn a_band_becomes_a_line_along_its_middle() {
+        // Three rows of five.
         let weight: Vec<f32> = (0..100)
-            .map(|i| [0.0, 0.5, 1.0, 0.5, 0.0][i / 20])
+            .map(|i| [0.0, 1.0, 1.0, 1.0, 0.0][i / 20])
             .collect();
         let left = ridges_of(20, 5, &weight);
-        let on_crest = left.iter().all(|&i| (40..60).contains(&i));
-        assert!(left.len() >= 18 && on_crest, "{left:?}");
+        let in_middle = left.iter().all(|&i| (40..60).contains(&i));
+        assert!(left.len() >= 18 && in_middle, "{left:?}");
     }
 
     #[test]
     fn bands_side_by_side_are_one_line() {
         // Rows 2 and 3, and rows 6 and 7: the two rows between them are filled, and one line runs in the middle. At the
-        // ends, where bands weigh less, it may split.
+        // ends it may split.
         let weight: Vec<f32> = (0..600)
             .map(|i| [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0][i / 60])
             .collect();
@@ -295,23 +292,6 @@ mod tests {
             .collect();
         let in_middle = inner.iter().all(|&i| i / 60 == 4 || i / 60 == 5);
         assert!(inner.len() == 30 && in_middle, "{inner:?}");
-    }
-
-    #[test]
-    fn the_middle_of_two_columns_is_the_crack_between_them() {
-        let weight: Vec<f32> = (0..30)
-            .map(|i| if [2, 3].contains(&(i % 6)) { 0.7 } else { 0.0 })
-            .collect();
-        let bands = Bands {
-            width: 6,
-            height: 5,
-            pixels: &[],
-            weight: &weight,
-        };
-        for pixel in [14, 15] {
-            let middle = bands.middle(pixel);
-            assert!((middle - Vec2::new(3.0, 2.5)).length() < 1e-6, "{middle}");
-        }
     }
 
     #[test]
@@ -327,9 +307,8 @@ mod tests {
             width: 15,
             height: 15,
             pixels: &pixels,
-            weight: &ring,
         };
-        let paths = bands.ridges().paths();
+        let paths = bands.ridges(&[]).paths();
         // Once around; a corner may leave a stub.
         let around = |path: &&NodePath| path.closed || path.nodes.first() == path.nodes.last();
         let rings: Vec<_> = paths.iter().filter(around).collect();

@@ -1,8 +1,8 @@
 //! Chains: lines through crests that hang together and are plain somewhere.
 
 use crate::line::contours::lattice::STEPS;
-use crate::line::contours::network::{Line, Sets, Spot};
-use crate::line::contours::ridge::Bands;
+use crate::line::contours::network::{Line, Sets};
+use crate::line::contours::ridge;
 use crate::line::contours::smoothing::Smoothing;
 use crate::line::interior::crests::Crest;
 use crate::line::interior::fade::supports;
@@ -30,30 +30,7 @@ pub(super) fn chains(
     // A line aslant has a crest for the root of two of its length.
     let fewest = (shortest * std::f32::consts::FRAC_1_SQRT_2) as usize;
     let crests = plain(crests, [width, height], thresholds[1], fewest);
-    if crests.is_empty() {
-        return Vec::new();
-    }
-    let mut weight = vec![0.0; width * height];
-    for crest in &crests {
-        weight[crest.pixel as usize] = (0.5 * crest.strength / thresholds[1]).clamp(0.01, 1.0);
-    }
-    let pixels: Vec<u32> = crests.iter().map(|crest| crest.pixel).collect();
-    let bands = Bands {
-        width,
-        height,
-        pixels: &pixels,
-        weight: &weight,
-    };
-    let spot = |pixel: u32| {
-        let found = pixels.binary_search(&pixel).ok().map(|i| crests[i]);
-        Spot {
-            at: found.map_or(bands.centre(pixel), |crest| crest.at),
-            strength: found.map_or(0.0, |crest| crest.strength),
-            log_depth: 0.0,
-            is_beside: false,
-        }
-    };
-    let lines = bands.lines(spot, SMOOTHING);
+    let lines = ridge::lines(&crests, &[], [width, height], |_| 0.0, SMOOTHING);
     let fades = match sizes.fades {
         true => fades(&lines, &crests, [width, height], thresholds),
         false => vec![1.0; lines.len()],

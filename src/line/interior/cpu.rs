@@ -19,7 +19,7 @@ use crate::line::interior::fade::by_strength;
 use crate::line::interior::level::FormLevel;
 use crate::line::interior::shadows::shadows;
 use crate::line::interior::sizes::Sizes;
-use crate::line::interior::turning::curvature;
+use crate::line::turning::curvature;
 use crate::params::{InteriorParams, LineLevels, RunOptions};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;

@@ -4,19 +4,19 @@ use crate::frame::{Mask, Plane};
 use crate::line::interior::facing::Viewer;
 use crate::line::interior::level::FormLevel;
 use crate::line::interior::sizes::Sizes;
-use crate::line::interior::turning::Turning;
+use crate::line::turning::Turning;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// A pixel that a line passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Crest {
+pub(in crate::line) struct Crest {
     /// Its number, row by row.
-    pub(super) pixel: u32,
+    pub(in crate::line) pixel: u32,
     /// Position of the line in or beside the pixel: x right, y down, pixel edges at integers.
-    pub(super) at: Vec2,
+    pub(in crate::line) at: Vec2,
     /// Strength of the line there, in radians over the picture.
-    pub(super) strength: f32,
+    pub(in crate::line) strength: f32,
 }
 
 /// Largest distance of a crest from its pixel's centre.
@@ -125,7 +125,7 @@ pub(super) fn suggestive(
 }
 
 /// The results at the covered pixels, in order.
-pub(super) fn each_pixel<T: Send>(
+pub(in crate::line) fn each_pixel<T: Send>(
     mask: &Mask,
     find: impl Fn(usize, usize) -> Option<T> + Sync,
 ) -> Vec<T> {
@@ -139,7 +139,7 @@ pub(super) fn each_pixel<T: Send>(
 
 /// The crest of this strength at the maximum of a plane along a direction (x right, y up) close to a pixel, if there is
 /// one. Along the border there is none, as nothing is known beyond it.
-pub(super) fn crest(
+pub(in crate::line) fn crest(
     plane: &Plane,
     x: usize,
     y: usize,

@@ -6,7 +6,7 @@
 //! Santella, "Suggestive contours for conveying shape", 2003) follow a surface that nearly turns away: minima of n.v
 //! toward the viewer. Changes: both are found in the picture, from normals diffused by the silhouettes' conductance to
 //! a scale that is a share of the picture; valleys count more than ridges, since full sets of ridges double every lip.
-//! Practice: `level` diffuses, `turning` and `facing` measure, `crests` finds maxima to a fraction of a pixel, `chains`
+//! Practice: `level` diffuses, `facing` and [`turning`](crate::line::turning) measure, `crests` finds maxima to a fraction of a pixel, `chains`
 //! makes lines of them, `choice` takes the strongest, and `drawn` gives them widths.
 //!
 //! Thresholds decide whether a line is drawn. In a sequence such a line would appear in one frame and disappear in the
@@ -19,7 +19,7 @@ use crate::params::LineLevels;
 mod chains;
 mod choice;
 pub(crate) mod cpu;
-mod crests;
+pub(super) mod crests;
 mod drawn;
 mod facing;
 mod fade;
@@ -29,7 +29,6 @@ mod sizes;
 pub(crate) mod stage;
 #[cfg(test)]
 mod tests;
-mod turning;
 
 /// Lines inside the surfaces of a frame.
 #[derive(Debug, Clone)]

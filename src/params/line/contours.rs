@@ -45,10 +45,11 @@ params! {
         ///
         /// Relative to a line in front of the background, or along a sharp crease. At 1 faint lines vanish.
         jump_emphasis: f32 = 0.5, flag: "--jump-emphasis", form: "SHARE", valid: SHARES;
-        /// Length in pixels below which lines, measured with all lines joined to them, are left out; twice that for
-        /// creases.
+        /// Length in pixels below which lines, measured with all lines joined to them, are left out; blunt creases count
+        /// in part.
         ///
-        /// Blunt creases are noisier, hence the factor. 0 draws every speck of noise; high values lose small objects.
+        /// Where the frame was enlarged much it is at least that of two to three of its own pixels. 0 draws every speck of
+        /// noise; high values lose small objects.
         shortest_px: f32 = 12.0, flag: "--shortest-contour", form: "PX", unit: Unit::Pixels, valid: LENGTHS;
         /// Pixels over which the open end of a line tapers.
         ///

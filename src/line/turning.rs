@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec3A};
 
 /// Derivatives of the unit normal per pixel, x right and y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Turning {
+pub(crate) struct Turning {
     x: Vec3A,
     y: Vec3A,
 }
@@ -13,7 +13,7 @@ pub(super) struct Turning {
 impl Turning {
     /// The turning of normals at a pixel, by Sobel's differences; 0 marks a missing normal, beyond which the surface
     /// continues unchanged.
-    pub(super) fn at(normals: &Plane<Vec3>, x: usize, y: usize) -> Self {
+    pub(crate) fn at(normals: &Plane<Vec3>, x: usize, y: usize) -> Self {
         Self::between(rows_around(normals, y), x)
     }
 
@@ -28,7 +28,12 @@ impl Turning {
         };
         // Mapping arrays is not inlined.
         let around = |row: &[Vec3]| [there(row[left]), there(row[x]), there(row[right])];
-        let (above, level, below) = (around(rows[0]), around(rows[1]), around(rows[2]));
+        Self::amid([around(rows[0]), around(rows[1]), around(rows[2])])
+    }
+
+    /// The turning amid three rows of three normals.
+    #[inline]
+    pub(crate) fn amid([above, level, below]: [[Vec3A; 3]; 3]) -> Self {
         let smooth = |a: Vec3A, b: Vec3A, c: Vec3A| 0.25 * (a + c) + 0.5 * b;
         let column = |i: usize| smooth(above[i], level[i], below[i]);
         let row = |row: [Vec3A; 3]| smooth(row[0], row[1], row[2]);
@@ -46,12 +51,19 @@ impl Turning {
 
     /// The view-dependent curvature `q`, in radians per pixel: the largest singular value.
     #[inline]
-    pub(super) fn largest(&self) -> f32 {
+    pub(crate) fn largest(&self) -> f32 {
         largest_eigenvalue(self.metric()).sqrt()
     }
 
+    /// Whether the normal turns across the fastest direction too, by half as much at the least.
+    pub(crate) fn is_both_ways(&self) -> bool {
+        let [xx, xy, yy] = self.metric();
+        let largest = largest_eigenvalue([xx, xy, yy]);
+        xx + yy - largest > 0.25 * largest
+    }
+
     /// The unit direction in which the normal turns fastest, x right and y up.
-    pub(super) fn direction(&self) -> Vec2 {
+    pub(crate) fn direction(&self) -> Vec2 {
         let [xx, xy, yy] = self.metric();
         let square = largest_eigenvalue([xx, xy, yy]);
         // The larger of two that are square to the rows of the metric less its eigenvalue.
@@ -65,7 +77,7 @@ impl Turning {
     }
 
     /// Tilt of the normal along a direction, per pixel in it: positive where the surface is convex.
-    pub(super) fn bend(&self, along: Vec2) -> f32 {
+    pub(crate) fn bend(&self, along: Vec2) -> f32 {
         (along.x * self.x + along.y * self.y).truncate().dot(along)
     }
 }
@@ -76,7 +88,7 @@ fn rows_around(normals: &Plane<Vec3>, y: usize) -> [&[Vec3]; 3] {
 }
 
 /// The view-dependent curvature of normals, in radians per pixel; 0 outside the mask.
-pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
+pub(crate) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
     Plane::of_covered(mask, |y| {
         let around = rows_around(normals, y);
         move |x| Turning::between(around, x).largest()
