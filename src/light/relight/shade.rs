@@ -289,12 +289,23 @@ fn add_around(
 ) {
     if scene.shadows.horizons.is_none() {
         batch.sum.add_directed(fma, &batch.pixels, shading, lights);
-        return;
+    } else {
+        each_around(batch, scene, lights, (shading, None));
     }
+}
+
+/// How light is shaded, and how it is turned before, if it is.
+type Arriving<'a> = (&'a Shading, Option<&'a Aligned>);
+
+/// Lets the light of each of these arrive, less what horizons hide, and adds it.
+#[inline(always)]
+fn each_around(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: Arriving) {
     for light in lights {
         batch.face(light.direction);
-        batch.hide(light.direction);
-        add_arriving(batch, shading, light.intensity);
+        if scene.shadows.horizons.is_some() {
+            batch.hide(light.direction);
+        }
+        add_arriving(batch, how, light.intensity);
     }
 }
 
@@ -327,34 +338,9 @@ fn add_turned(
         None => &scene.around_lights,
     };
     let diffuse = &shading.diffuse();
-    for light in around {
-        batch.face(light.direction);
-        if scene.shadows.horizons.is_some() {
-            batch.hide(light.direction);
-        }
-        turn_and_add(batch, diffuse, aligned, light.intensity);
-    }
+    each_around(batch, scene, around, (diffuse, Some(aligned)));
     dim(batch, scene);
-    each_lamp(batch, scene, &scene.lights, |batch, intensity| {
-        turn_and_add(batch, diffuse, aligned, intensity);
-    });
-}
-
-/// Adds the light that arrives from `near`, turned from the coarsest scale to the finest.
-#[inline(always)]
-fn turn_and_add(batch: &mut Batch, diffuse: &Shading, aligned: &Aligned, intensity: [f32; 3]) {
-    let Batch {
-        pixels,
-        sum,
-        near: (directions, share),
-        details,
-        ..
-    } = batch;
-    for detail in details.iter().rev() {
-        detail.turn(directions, aligned.strength);
-    }
-    let intensity = intensity.map(|channel| aligned.gain * channel);
-    sum.add_near(pixels, diffuse, (directions, share), intensity);
+    each_lamp(batch, scene, &scene.lights, (diffuse, Some(aligned)));
 }
 
 /// The luminance of a batch's diffuse light by single lights: as it is, and turned to the form.
@@ -370,7 +356,8 @@ pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &LitScene) -> 
         strength: 0.0,
         gain: 1.0,
     };
-    [&unturned, aligned].map(|how| {
+    let mut sums = [0.0; 2];
+    for (sum, how) in sums.iter_mut().zip([&unturned, aligned]) {
         batch.sum.clear();
         add_turned(fma, batch, scene, diffuse, how);
         let light = &batch.sum.sums.diffuse;
@@ -378,8 +365,9 @@ pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &LitScene) -> 
             let shown = std::array::from_fn(|k| batch.albedo[k][i] * light[k][i]);
             f64::from(luminance(shown, scene.luminance))
         };
-        (0..batch.pixels.count).map(of).sum()
-    })
+        *sum = (0..batch.pixels.count).map(of).sum();
+    }
+    sums
 }
 
 /// Adds lights far away and near, and completes the sum.
@@ -394,48 +382,53 @@ fn add_lamps(fma: bool, batch: &mut Batch, scene: &LitScene, shading: &Shading) 
             &[]
         }
     };
-    each_lamp(batch, scene, one_by_one, |batch, intensity| {
-        add_arriving(batch, shading, intensity);
-    });
+    each_lamp(batch, scene, one_by_one, (shading, None));
     batch.sum.finish(&batch.pixels, shading);
 }
 
 /// Lets the light of each lamp arrive in turn, less its shadows, and adds it: of `lights` far away, and of all others.
 #[inline(always)]
-fn each_lamp(
-    batch: &mut Batch,
-    scene: &LitScene,
-    lights: &[Directed],
-    mut add: impl FnMut(&mut Batch, [f32; 3]),
-) {
+fn each_lamp(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: Arriving) {
     for light in lights {
         batch.face(light.direction);
         if scene.turns.is_some() {
             batch.rake();
         }
-        add(batch, light.intensity);
+        add_arriving(batch, how, light.intensity);
     }
     for Shadowed { light, share } in &scene.shadows.far {
         batch.face(light.to_light.to_array());
         batch.shade(share);
-        add(batch, light.intensity);
+        add_arriving(batch, how, light.intensity);
     }
     for (i, point) in scene.points.iter().enumerate() {
         approach(batch, point.position.to_array());
         if let Some(share) = scene.shadows.near.get(i) {
             batch.shade(share);
         }
-        add(batch, point.intensity);
+        add_arriving(batch, how, point.intensity);
     }
 }
 
-/// Adds the light that arrives.
+/// Adds the light that arrives from `near`, which is turned from the coarsest scale to the finest.
 #[inline(always)]
-fn add_arriving(batch: &mut Batch, shading: &Shading, intensity: [f32; 3]) {
+fn add_arriving(batch: &mut Batch, (shading, turned): Arriving, intensity: [f32; 3]) {
     let Batch {
-        pixels, sum, near, ..
+        pixels,
+        sum,
+        near: (directions, share),
+        details,
+        ..
     } = batch;
-    sum.add_near(pixels, shading, (&near.0, &near.1), intensity);
+    let mut gain = 1.0;
+    if let Some(aligned) = turned {
+        gain = aligned.gain;
+        for detail in details.iter().rev() {
+            detail.turn(directions, aligned.strength);
+        }
+    }
+    let intensity = intensity.map(|channel| gain * channel);
+    sum.add_near(pixels, shading, (directions, share), intensity);
 }
 
 /// Directions to a light at `position`, and its attenuation.
