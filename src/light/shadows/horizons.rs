@@ -4,7 +4,8 @@
 //! azimuths beside it. A light stands for a piece of the environment about as wide as azimuths are apart, and sets
 //! gradually. What is seen of an even sky has a closed form by azimuth, that of [`crate::shape::occlusion`].
 
-use super::sweep::{Azimuth, Looks, Way};
+use super::strips::Strips;
+use super::sweep::Azimuth;
 use crate::frame::Plane;
 use crate::kernel::fast_math::{atan, atan2, polynomial};
 use crate::kernel::simd::wide;
@@ -36,18 +37,16 @@ impl Horizons {
         let along = |k| Azimuth::of(f64::from(azimuth(k)), shape);
         let azimuths: [_; AZIMUTHS] = std::array::from_fn(along);
         let mut planes = [(); AZIMUTHS].map(|()| Plane::filled(0, 0, 0));
-        for way in Way::ALL {
-            let turned = way.turned(height);
-            let mut lines = Plane::filled(turned.width(), turned.height(), 0.0);
+        for is_transposed in [false, true] {
+            let heights = Strips::of(height, is_transposed);
             let pairs = planes.iter_mut().zip(&azimuths);
-            for (plane, azimuth) in pairs.filter(|(_, azimuth)| azimuth.way == way) {
-                let course =
-                    azimuth.sweep(&turned, Looks::Nearer, &mut lines, |slopes, per_column| {
-                        wide!(to_elevations(slopes, per_column))
-                    });
-                let mut elevations = Plane::filled(turned.width(), turned.height() - 1, 0);
-                course.spread(&lines, &mut elevations, |to, of| *to = of as u8);
-                *plane = cut(way.turned_back(elevations));
+            for (plane, azimuth) in pairs.filter(|(_, of)| of.is_transposed == is_transposed) {
+                let mut found = heights.found();
+                let see = |slopes: &mut [f32], per_column, seen: &mut [u8]| {
+                    wide!(to_elevations(slopes, per_column, seen));
+                };
+                azimuth.sweep(&heights, false, see, &mut found);
+                *plane = cut(heights.turned_back(found));
             }
         }
         Self(planes)
@@ -71,9 +70,11 @@ impl Horizons {
 
 /// Slopes per column to elevations in [`UNIT`], from -90 degrees.
 #[inline(always)]
-fn to_elevations(slopes: &mut [f32], per_column: f32) {
-    for slope in slopes {
-        *slope = (atan(*slope * per_column) + FRAC_PI_2) * UNIT.recip() + 0.5;
+fn to_elevations(slopes: &[f32], per_column: f32, elevations: &mut [u8]) {
+    for (elevation, slope) in elevations.iter_mut().zip(slopes) {
+        let units = (atan(slope * per_column) + FRAC_PI_2) * UNIT.recip() + 0.5;
+        // By way of whole numbers as wide: straight to bytes they would go one by one.
+        *elevation = units as i32 as u8;
     }
 }
 

@@ -11,8 +11,10 @@
 pub(crate) mod cast;
 pub(crate) mod casting;
 pub(crate) mod horizons;
+mod hull;
 mod lamp;
 mod march;
+mod strips;
 mod sweep;
 
 use crate::frame::Plane;
@@ -22,7 +24,8 @@ use crate::kernel::simd::wide;
 use crate::shape::occlusion::NOTHING;
 use lamp::Chord;
 pub(crate) use lamp::Lamp;
-use sweep::{Azimuth, Looks, Way};
+use strips::Strips;
+use sweep::Azimuth;
 
 /// The most azimuths across a lamp.
 const MOST_AZIMUTHS: usize = 15;
@@ -33,36 +36,29 @@ pub(crate) fn shares(height: &Plane, lamp: &Lamp, shape: f32, memory: &Memory) -
     let chords = lamp.chords(azimuths(height, lamp));
     let total: f32 = chords.iter().map(|chord| chord.weight).sum();
     let mut shares = Plane::filled(height.width(), height.height(), 0.0);
-    for way in Way::ALL {
+    for is_transposed in [false, true] {
         let of_way = chords
             .iter()
             .map(|chord| (chord, Azimuth::of(chord.azimuth, shape)));
-        let of_way: Vec<_> = of_way.filter(|(_, azimuth)| azimuth.way == way).collect();
-        if of_way.is_empty() {
+        let of_way = of_way.filter(|(_, azimuth)| azimuth.is_transposed == is_transposed);
+        let mut of_way = of_way.peekable();
+        if of_way.peek().is_none() {
             continue;
         }
-        let turned = way.turned(height);
-        let mut lines = Plane::filled(turned.width(), turned.height(), 0.0);
-        let mut sum = Plane::filled(turned.width(), turned.height() - 1, 0.0);
+        let heights = Strips::of(height, is_transposed);
+        let mut sum = heights.found();
         for (chord, azimuth) in of_way {
             if memory.is_cancelled() {
                 return shares;
             }
             let share = chord.weight / total;
-            let looks = match chord.is_disc {
-                true => Looks::Both,
-                false => Looks::Nearer,
-            };
-            let course = azimuth.sweep(&turned, looks, &mut lines, |slopes, per_column| {
+            let see = |slopes: &mut [f32], per_column, seen: &mut [f32]| {
                 wide!(seen_row(slopes, chord, per_column, share));
-            });
-            course.spread(&lines, &mut sum, |sum, seen| *sum += seen);
+                seen.copy_from_slice(slopes);
+            };
+            azimuth.sweep(&heights, chord.is_disc, see, &mut sum);
         }
-        let back = way.turned_back(sum);
-        shares.each_row(|y, row| {
-            let more = row.iter_mut().zip(back.row(y));
-            more.for_each(|(share, more)| *share += more);
-        });
+        shares.each_with(&heights.turned_back(sum), |share, more| *share += more);
     }
     shares
 }
