@@ -10,6 +10,7 @@ use crate::engine::tiles::{Strips, rows_of};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, LightLayers};
 use crate::kernel::timings::add_timings;
+use crate::light::shadows::keys::MOST_KEYS;
 use crate::plan::Plan;
 use crate::plan::outcome::Outcome;
 use std::ops::Range;
@@ -17,8 +18,9 @@ use std::ops::Range;
 /// Planes that stages take at most beside their results, three gradients of the diffusion above all.
 const BESIDE: usize = 8;
 
-/// Planes beside results where stages take the frame whole: also 16 horizons of a byte, and normals at three scales.
-const BESIDE_WHOLE: usize = BESIDE + 4 + 6;
+/// Planes beside results where stages take the frame whole: also 16 horizons of a byte, shadows of keys, and normals at
+/// three scales.
+const BESIDE_WHOLE: usize = BESIDE + 4 + MOST_KEYS / 2 + 6;
 
 /// Planes of layers of light, beside those of groups.
 const OF_LIGHT: usize = 18;

@@ -88,7 +88,11 @@ pub(crate) fn relight(run: &mut Execution) {
     run.made.outcome.middle_light = mirrors
         .as_ref()
         .and_then(|mirrors| mirrors.intensity.middle());
-    let shadows = cast(run, normal);
+    let for_diffuse = match around.sampled() {
+        Some(_) => around.base_lights(),
+        None => around.lights(),
+    };
+    let shadows = cast(run, normal, for_diffuse);
     if memory.is_cancelled() {
         return;
     }

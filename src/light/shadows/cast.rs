@@ -2,6 +2,7 @@
 
 use super::casting::{Caster, Casting};
 use super::horizons::{Horizons, LOWEST};
+use super::keys::keys;
 use super::march::{LampPlace, Relief};
 use super::{Lamp, longest_px, shares};
 use crate::frame::memory::Memory;
@@ -22,6 +23,8 @@ pub(crate) struct CastShadows {
     pub(crate) near: Vec<Plane<u16>>,
     /// What hides light from all around.
     pub(crate) horizons: Option<Horizons>,
+    /// The brightest of it, hidden with edges.
+    pub(crate) keys: Vec<Shadowed>,
 }
 
 /// A lamp and what arrives of its light.
@@ -34,8 +37,13 @@ pub(crate) struct Shadowed {
 /// A share of 1.
 pub(crate) const WHOLE: f32 = 65_535.0;
 
-/// What arrives on surfaces with these normals of the light that casts shadows, if any does.
-pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<CastShadows> {
+/// What arrives on surfaces with these normals of the light that casts shadows, if any does; these lights stand for what
+/// comes from all `around`.
+pub(crate) fn cast(
+    run: &mut Execution,
+    normal: &Vector3Planes,
+    around: &[DirectionalLight],
+) -> Option<CastShadows> {
     let relighting = run.plan.relighting()?;
     let (casting, params) = (&relighting.casting, &relighting.params);
     let illumination = run.illumination().filter(|_| casting.any())?;
@@ -46,9 +54,13 @@ pub(crate) fn cast(run: &mut Execution, normal: &Vector3Planes) -> Option<CastSh
             true => surface.shadows_of_lamps(illumination, params, normal, run.memory),
             false => CastShadows::default(),
         };
-        CastShadows {
-            horizons: casting.sky.is_cast.then(|| surface.horizons()),
-            ..lamps
+        match casting.sky.is_cast {
+            true => CastShadows {
+                horizons: Some(surface.horizons()),
+                keys: surface.shadows_of_keys(around, params, run.memory),
+                ..lamps
+            },
+            false => lamps,
         }
     });
     run.made.outcome.shape.height = own;
@@ -104,10 +116,7 @@ impl<'a> CastingSurface<'a> {
                 (Caster::Depth, Some(relief)) => {
                     relief.shares(&LampPlace::Far(lamp), facing, memory)
                 }
-                _ => {
-                    let around = self.around(lamp.elevation.tan() as f32);
-                    around.cut(shares(&around.height, &lamp, self.pixel_shape, memory))
-                }
+                _ => self.swept(&lamp, memory),
             };
             Shadowed {
                 light,
@@ -124,8 +133,30 @@ impl<'a> CastingSurface<'a> {
         CastShadows {
             far: far.collect(),
             near: near.collect(),
-            horizons: None,
+            ..CastShadows::default()
         }
+    }
+
+    /// What is seen of a lamp by sweeps.
+    fn swept(&self, lamp: &Lamp, memory: &Memory) -> Plane {
+        let around = self.around(lamp.elevation.tan() as f32);
+        around.cut(shares(&around.height, lamp, self.pixel_shape, memory))
+    }
+
+    /// The shadows of the keys of an environment.
+    fn shadows_of_keys(
+        &self,
+        lights: &[DirectionalLight],
+        params: &RelightParams,
+        memory: &Memory,
+    ) -> Vec<Shadowed> {
+        let keys = keys(lights, self.frame.luminance_weights());
+        let shadowed = keys.into_iter().map(|light| {
+            let seen = self.swept(&Lamp::of(&light, params.light_size), memory);
+            let share = seen.map(|seen| (WHOLE * seen).round() as u16);
+            Shadowed { light, share }
+        });
+        shadowed.collect()
     }
 
     /// What hides light from all around.

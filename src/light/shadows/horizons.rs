@@ -1,7 +1,7 @@
 //! What hides light from all around: the horizons of each pixel along a ring of azimuths.
 //!
-//! They are found once, and each light of an environment is seen as far as it stands above the horizon between the two
-//! azimuths beside it. A light stands for a piece of the environment about as wide as azimuths are apart, and sets
+//! They are found once, and each light of an environment is seen as far as it stands above the horizons of the two azimuths
+//! beside it. A light stands for a piece of the environment about as wide as azimuths are apart, and sets
 //! gradually. What is seen of an even sky has a closed form by azimuth, that of [`crate::shape::occlusion`].
 
 use super::strips::Strips;
@@ -107,8 +107,7 @@ impl Bearing {
     pub(crate) fn hide(&self, horizons: &HorizonLanes, light: &mut Lanes) {
         let [a, b] = self.beside.map(|k| &horizons[k]);
         for i in 0..BATCH {
-            let horizon = a[i] + self.share * (b[i] - a[i]);
-            light[i] *= above((horizon - self.elevation) / SETTING);
+            light[i] *= seen([a[i], b[i]], self.share, self.elevation);
         }
     }
 }
@@ -121,9 +120,16 @@ pub(crate) fn hide_each(horizons: &HorizonLanes, [x, y, z]: &Vectors, share: &mu
         let first = turn as usize;
         let [a, b] = [first, first + 1].map(|k| horizons[k % AZIMUTHS][i]);
         let elevation = atan2(z[i], (x[i] * x[i] + y[i] * y[i]).sqrt());
-        let horizon = a + (turn - first as f32) * (b - a);
-        share[i] *= above((horizon - elevation) / SETTING);
+        share[i] *= seen([a, b], turn - first as f32, elevation);
     }
+}
+
+/// What is seen of a light between two azimuths: the mean of what would be seen in each. Above the mean of two horizons a
+/// light beside a corner would be seen whole, or not at all.
+#[inline(always)]
+fn seen(horizons: [f32; 2], share: f32, elevation: f32) -> f32 {
+    let [a, b] = horizons.map(|horizon| above((horizon - elevation) / SETTING));
+    a + share * (b - a)
 }
 
 /// The share of a disc of radius 1 above a line at this height over its middle, within 0.01: the mean of a ramp and of a

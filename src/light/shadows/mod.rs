@@ -12,6 +12,7 @@ pub(crate) mod cast;
 pub(crate) mod casting;
 pub(crate) mod horizons;
 mod hull;
+pub(crate) mod keys;
 mod lamp;
 mod march;
 mod strips;

@@ -269,7 +269,12 @@ fn a_trench_hides_the_sky_but_for_its_opening() {
             toward(0.5 * PI as f32, apart),
         ];
         let (seen, sky) = seen_from(&heights, [side / 2; 2], &directions);
-        assert_eq!(seen, [1.0, 0.0, 0.0, 1.0]);
+        // The azimuth of a light is rounded by a ten-millionth of a step.
+        let off = seen
+            .iter()
+            .zip([1.0_f32, 0.0, 0.0, 1.0])
+            .map(|(a, b)| a - b);
+        assert!(off.into_iter().all(|off| off.abs() < 1e-6), "{seen:?}");
         assert!(
             (sky - opening).abs() < 0.02,
             "{depth}: {sky}, not {opening}"

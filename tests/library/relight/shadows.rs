@@ -95,13 +95,18 @@ fn relief() -> Frame {
 #[test]
 fn horizons_hide_the_light_of_an_environment() {
     let frame = relief().crop(Window::at(60, 40, 160, 120));
-    // A sun of three texels, and an even sky.
+    // A sun of three texels, a lamp of one with most of the light, and an even sky.
     let sunset = |[x, y, z]: [f32; 3]| {
         let toward = 0.7 * x + 0.3 * y + 0.648 * z;
         [1.0 + 60.0 * toward.max(0.0).powi(64); 3]
     };
+    let lamp = |[x, y, z]: [f32; 3]| {
+        let toward = -0.8 * x + 0.4 * y + 0.447 * z;
+        [1.0 + 1500.0 * toward.max(0.0).powi(600); 3]
+    };
     for (name, map) in [
         ("sunset", surroundings(40, sunset)),
+        ("lamp", surroundings(40, lamp)),
         ("even", surroundings(40, |_| [1.0; 3])),
     ] {
         let texels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
