@@ -72,9 +72,9 @@ impl Horizons {
 #[inline(always)]
 fn to_elevations(slopes: &[f32], per_column: f32, elevations: &mut [u8]) {
     for (elevation, slope) in elevations.iter_mut().zip(slopes) {
-        let units = (atan(slope * per_column) + FRAC_PI_2) * UNIT.recip() + 0.5;
-        // By way of whole numbers as wide: straight to bytes they would go one by one.
-        *elevation = units as i32 as u8;
+        let units = (atan(slope * per_column) + FRAC_PI_2) * UNIT.recip();
+        // Rounded into the last bits of a float so large that it is whole: done for many at a time, as no conversion is.
+        *elevation = (units + (1 << 23) as f32).to_bits() as u8;
     }
 }
 
