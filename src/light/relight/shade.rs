@@ -14,7 +14,6 @@ use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lo
 use crate::light::relight::scene::{Aligned, LitScene};
 use crate::light::relight::setting::Albedo;
 use crate::light::shadows::cast::Shadowed;
-use crate::light::shadows::keys::share_of;
 use crate::light::sum::lobes::Lobes;
 use crate::light::sum::{Directed, LightSums, Shading};
 use crate::light::tones::tone_factor;
@@ -303,7 +302,7 @@ type Arriving<'a> = (&'a Shading, Option<&'a Aligned>);
 fn each_around(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: Arriving) {
     for light in lights {
         batch.face(light.direction);
-        match share_of(&scene.shadows.keys, light.direction) {
+        match scene.shadows.of_key(light.direction) {
             Some(share) => batch.shade(share),
             None if scene.shadows.horizons.is_some() => batch.hide(light.direction),
             None => {}

@@ -2,7 +2,7 @@
 
 use super::casting::{Caster, Casting};
 use super::horizons::{Horizons, LOWEST};
-use super::keys::keys;
+use super::keys::{belongs, keys};
 use super::march::{LampPlace, Relief};
 use super::{Lamp, longest_px, shares};
 use crate::frame::memory::Memory;
@@ -25,6 +25,15 @@ pub(crate) struct CastShadows {
     pub(crate) horizons: Option<Horizons>,
     /// The brightest of it, hidden with edges.
     pub(crate) keys: Vec<Shadowed>,
+}
+
+impl CastShadows {
+    /// What arrives of an environment's light from this direction, if that of a key does.
+    #[inline(always)]
+    pub(crate) fn of_key(&self, direction: [f32; 3]) -> Option<&Plane<u16>> {
+        let key = self.keys.iter().find(|key| belongs(&key.light, direction));
+        key.map(|key| &key.share)
+    }
 }
 
 /// A lamp and what arrives of its light.

@@ -1,8 +1,7 @@
 //! The lights of an environment that are so bright that their shadows have edges, as that of the sun: they have sweeps of
 //! their own.
 
-use super::cast::Shadowed;
-use crate::frame::{Plane, luminance};
+use crate::frame::luminance;
 use crate::light::lights::DirectionalLight;
 use glam::Vec3;
 
@@ -18,28 +17,23 @@ const WITHIN: f32 = 0.9994;
 pub(super) fn keys(lights: &[DirectionalLight], weights: [f32; 3]) -> Vec<DirectionalLight> {
     let of = |light: &DirectionalLight| luminance(light.intensity, weights);
     let all: f32 = lights.iter().map(of).sum();
-    let mut rest: Vec<_> = lights.iter().filter(|light| of(light) > 0.0).collect();
+    // What shines from behind the picture plane hardly reaches it.
+    let shines = |light: &&DirectionalLight| of(light) > 0.0 && light.to_light.z > 0.0;
+    let mut rest: Vec<_> = lights.iter().filter(shines).collect();
     rest.sort_by(|a, b| of(b).total_cmp(&of(a)));
     let mut keys = Vec::new();
     while let (Some(first), true) = (rest.first().copied(), keys.len() < MOST_KEYS) {
         let own: Vec<_>;
-        (own, rest) =
-            (rest.into_iter()).partition(|light| light.to_light.dot(first.to_light) >= WITHIN);
-        let has_share = own.iter().copied().map(of).sum::<f32>() >= KEY_SHARE * all;
-        // What shines from behind the picture plane hardly reaches it.
-        if has_share && first.to_light.z > 0.0 {
+        let is_own = |light: &&DirectionalLight| belongs(first, light.to_light);
+        (own, rest) = rest.into_iter().partition(is_own);
+        if own.into_iter().map(of).sum::<f32>() >= KEY_SHARE * all {
             keys.push(*first);
         }
     }
     keys
 }
 
-/// What arrives of light from this direction, if a key's does.
-#[inline(always)]
-pub(crate) fn share_of(keys: &[Shadowed], direction: [f32; 3]) -> Option<&Plane<u16>> {
-    let direction = Vec3::from(direction);
-    let key = keys
-        .iter()
-        .find(|key| key.light.to_light.dot(direction) >= WITHIN);
-    key.map(|key| &key.share)
+/// Whether light from this direction belongs to a key.
+pub(super) fn belongs(key: &DirectionalLight, direction: impl Into<Vec3>) -> bool {
+    key.to_light.dot(direction.into()) >= WITHIN
 }
