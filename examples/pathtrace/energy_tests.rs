@@ -95,7 +95,11 @@ fn a_coat_never_reflects_more_than_came() {
                     light < 1.0 + 3.0 * error,
                     "{exponent} {reflectance} {x}: {light}"
                 );
-                assert!(light > 0.2, "{exponent} {reflectance} {x}: {light}");
+                // Lights alone hardly meet the narrowest lobe: their error is large there.
+                assert!(
+                    light + 3.0 * error > 0.2,
+                    "{exponent} {reflectance} {x}: {light}"
+                );
             }
         }
     }

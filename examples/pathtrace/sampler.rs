@@ -2,6 +2,9 @@
 
 use sobol_burley::{NUM_DIMENSIONS, sample};
 
+/// Points of the sequence.
+const POINTS: u32 = 1 << 16;
+
 /// Numbers for one path, in 0..1, in pairs that are evenly spread over the many paths of a pixel: Sobol's sequence, Owen
 /// scrambled. Different pixels and seeds are independent.
 #[derive(Debug, Clone)]
@@ -26,9 +29,11 @@ impl Sampler {
     /// The next number.
     #[inline]
     pub(crate) fn one(&mut self) -> f32 {
-        // A path that outlives the dimensions begins anew, scrambled otherwise.
-        let seed = self.seed ^ (self.dimension / NUM_DIMENSIONS) << 24;
-        let number = sample(self.index, self.dimension % NUM_DIMENSIONS, seed);
+        // What outlives points or dimensions begins anew, scrambled otherwise.
+        let (block, index) = (self.index / POINTS, self.index % POINTS);
+        let seed =
+            self.seed ^ (self.dimension / NUM_DIMENSIONS) << 24 ^ block.wrapping_mul(0x85eb_ca6b);
+        let number = sample(index, self.dimension % NUM_DIMENSIONS, seed);
         self.dimension += 1;
         number
     }
