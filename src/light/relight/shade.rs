@@ -295,11 +295,11 @@ fn add_around(
 }
 
 /// How light is shaded, and how it is turned before, if it is.
-type Arriving<'a> = (&'a Shading, Option<&'a Aligned>);
+type HowLit<'a> = (&'a Shading, Option<&'a Aligned>);
 
 /// Lets the light of each of these arrive, less what horizons hide, and adds it.
 #[inline(always)]
-fn each_around(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: Arriving) {
+fn each_around(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: HowLit) {
     for light in lights {
         batch.face(light.direction);
         match scene.shadows.of_key(light.direction) {
@@ -390,7 +390,7 @@ fn add_lamps(fma: bool, batch: &mut Batch, scene: &LitScene, shading: &Shading) 
 
 /// Lets the light of each lamp arrive in turn, less its shadows, and adds it: of `lights` far away, and of all others.
 #[inline(always)]
-fn each_lamp(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: Arriving) {
+fn each_lamp(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: HowLit) {
     for light in lights {
         batch.face(light.direction);
         if scene.turns.is_some() {
@@ -414,7 +414,7 @@ fn each_lamp(batch: &mut Batch, scene: &LitScene, lights: &[Directed], how: Arri
 
 /// Adds the light that arrives from `near`, which is turned from the coarsest scale to the finest.
 #[inline(always)]
-fn add_arriving(batch: &mut Batch, (shading, turned): Arriving, intensity: [f32; 3]) {
+fn add_arriving(batch: &mut Batch, (shading, turned): HowLit, intensity: [f32; 3]) {
     let Batch {
         pixels,
         sum,

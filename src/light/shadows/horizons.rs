@@ -4,7 +4,7 @@
 //! beside it. A light stands for a piece of the environment about as wide as azimuths are apart, and sets
 //! gradually. What is seen of an even sky has a closed form by azimuth, that of [`crate::shape::occlusion`].
 
-use super::strips::Strips;
+use super::strips::Heights;
 use super::sweep::Azimuth;
 use crate::frame::Plane;
 use crate::kernel::fast_math::{atan, atan2, polynomial};
@@ -38,7 +38,7 @@ impl Horizons {
         let azimuths: [_; AZIMUTHS] = std::array::from_fn(along);
         let mut planes = [(); AZIMUTHS].map(|()| Plane::filled(0, 0, 0));
         for is_transposed in [false, true] {
-            let heights = Strips::of(height, is_transposed);
+            let heights = Heights::of(height, is_transposed);
             let pairs = planes.iter_mut().zip(&azimuths);
             for (plane, azimuth) in pairs.filter(|(_, of)| of.is_transposed == is_transposed) {
                 let mut found = heights.found();

@@ -18,7 +18,7 @@ const NO_HORIZON: f32 = -1e6;
 const UNDER: [[f32; 2]; 2] = [[-3.0, 300.0 * NOTHING], [-2.0, 100.0 * NOTHING]];
 
 /// A point in the hull of each line: columns, and heights.
-type Points = [Abreast; 2];
+type HullPoints = [Abreast; 2];
 
 /// A mask of lines: -1 where something holds, else 0.
 type Which = [i32; LINES];
@@ -40,7 +40,7 @@ impl HullStacks {
 
     /// The points below these places.
     #[inline(always)]
-    fn below(&self, places: &[i32; LINES]) -> Points {
+    fn below(&self, places: &[i32; LINES]) -> HullPoints {
         let mut points = [[0.0; LINES]; 2];
         let [columns, heights] = &self.0;
         // No place is beyond the last, which the compiler cannot know.
@@ -57,8 +57,8 @@ impl HullStacks {
 /// The hulls of lines, from their beginning on.
 pub(super) struct Hulls<'a> {
     stacks: &'a mut HullStacks,
-    last: Points,
-    before: Points,
+    last: HullPoints,
+    before: HullPoints,
     /// Where in the stacks the last points are.
     end: [i32; LINES],
 }
@@ -143,7 +143,7 @@ impl<'a> Hulls<'a> {
 
 /// Columns back to points, and how much higher they are.
 #[inline(always)]
-fn away([columns, heights]: &Points, column: f32, height: &Abreast) -> Points {
+fn away([columns, heights]: &HullPoints, column: f32, height: &Abreast) -> HullPoints {
     let mut away = [[0.0; LINES]; 2];
     for l in 0..LINES {
         away[0][l] = column - columns[l];
@@ -154,7 +154,7 @@ fn away([columns, heights]: &Points, column: f32, height: &Abreast) -> Points {
 
 /// Whether `a` is seen above `b`, both as they are away.
 #[inline(always)]
-fn is_steeper(a: &Points, b: &Points) -> Which {
+fn is_steeper(a: &HullPoints, b: &HullPoints) -> Which {
     let mut is_steeper = [0; LINES];
     for l in 0..LINES {
         let is = a[1][l] * b[0][l] > b[1][l] * a[0][l];
@@ -164,7 +164,7 @@ fn is_steeper(a: &Points, b: &Points) -> Which {
 }
 
 #[inline(always)]
-fn replace(points: &mut Points, by: &Points, which: &Which) {
+fn replace(points: &mut HullPoints, by: &HullPoints, which: &Which) {
     for (points, by) in points.iter_mut().zip(by) {
         for l in 0..LINES {
             points[l] = if which[l] != 0 { by[l] } else { points[l] };

@@ -25,7 +25,7 @@ use crate::kernel::simd::wide;
 use crate::shape::occlusion::NOTHING;
 use lamp::Chord;
 pub(crate) use lamp::Lamp;
-use strips::Strips;
+use strips::Heights;
 use sweep::Azimuth;
 
 /// The most azimuths across a lamp.
@@ -46,7 +46,7 @@ pub(crate) fn shares(height: &Plane, lamp: &Lamp, shape: f32, memory: &Memory) -
         if of_way.peek().is_none() {
             continue;
         }
-        let heights = Strips::of(height, is_transposed);
+        let heights = Heights::of(height, is_transposed);
         let mut sum = heights.found();
         for (chord, azimuth) in of_way {
             if memory.is_cancelled() {

@@ -12,14 +12,14 @@ const BEYOND: usize = LINES + 2;
 pub(super) type Around = [Abreast; 4];
 
 /// Heights in strips of [`LINES`] rows, each strip column by column: lines pass through memory in order.
-pub(super) struct Strips {
+pub(super) struct Heights {
     is_transposed: bool,
     pub(super) columns: usize,
     pub(super) rows: usize,
     samples: Vec<Abreast>,
 }
 
-impl Strips {
+impl Heights {
     /// Of the picture, or of the transposed one: light changes rows no faster than columns.
     pub(super) fn of(height: &Plane, is_transposed: bool) -> Self {
         let (w, h) = (height.width(), height.height());

@@ -4,7 +4,7 @@
 //! at the same share of a row between two pixels of a column. So neighbours are swept side by side, as one vector.
 
 use super::hull::{Abreast, HullStacks, Hulls, LINES};
-use super::strips::{Around, Strips};
+use super::strips::{Around, Heights};
 use crate::frame::Plane;
 use crate::kernel::simd::wide;
 use crate::shape::occlusion::NOTHING;
@@ -71,45 +71,45 @@ impl Azimuth {
     /// is exact; or the nearer one does, by this line alone: half the looks, for sums over several azimuths.
     pub(super) fn sweep<T: AddAssign + Copy + Default + Send + Sync>(
         &self,
-        heights: &Strips,
+        heights: &Heights,
         looks_both: bool,
         see: impl Fn(&mut [f32], f32, &mut [T]) + Sync,
         found: &mut Plane<T>,
     ) {
-        let Strips { columns, rows, .. } = *heights;
+        let Heights { columns, rows, .. } = *heights;
         let course = Course::new(self, [columns, rows], looks_both);
         let Some(&last) = course.down.last() else {
             return;
         };
-        // With looks from both sides, the first line of a bundle is the last of the one before.
+        // With looks from both sides, the first line of a swath is the last of the one before.
         let shared = usize::from(course.looks_both);
         let step = (LINES - shared) as isize;
         let first = -1 - last.max(0) - shared as isize;
-        let bundles = rows as isize - last.min(0) - first;
-        let bundles = (0..(bundles + step - 1) / step).into_par_iter();
+        let swaths = rows as isize - last.min(0) - first;
+        let swaths = (0..(swaths + step - 1) / step).into_par_iter();
         let room = || (HullStacks::new(columns), vec![0.0; columns * LINES]);
-        let bundles = bundles.map_init(room, |(stacks, slopes), i| {
+        let swaths = swaths.map_init(room, |(stacks, slopes), i| {
             let line = first + i * step;
-            let mut bundle = Bundle {
+            let mut swath = Swath {
                 line,
                 columns: course.within(line),
                 seen: Vec::new(),
             };
-            let slopes = &mut slopes[..bundle.columns.len() * LINES];
-            wide!(bundle.sweep(&course, heights, stacks, slopes));
-            bundle.seen.resize(slopes.len(), T::default());
-            see(slopes, self.per_column, &mut bundle.seen);
-            bundle
+            let slopes = &mut slopes[..swath.columns.len() * LINES];
+            wide!(swath.sweep(&course, heights, stacks, slopes));
+            swath.seen.resize(slopes.len(), T::default());
+            see(slopes, self.per_column, &mut swath.seen);
+            swath
         });
-        let bundles: Vec<Bundle<T>> = bundles.collect();
+        let swaths: Vec<Swath<T>> = swaths.collect();
         found.each_row(|at, found| {
             let x = course.swept(at);
             let mut y = 0;
             while y < found.len() {
                 let line = y as isize - course.looking(x) - first - shared as isize;
-                let bundle = &bundles[line.div_euclid(step) as usize];
+                let swath = &swaths[line.div_euclid(step) as usize];
                 let lane = shared + line.rem_euclid(step) as usize;
-                let seen = &bundle.seen[(x - bundle.columns.start) * LINES..][lane..LINES];
+                let seen = &swath.seen[(x - swath.columns.start) * LINES..][lane..LINES];
                 let pairs = found[y..].iter_mut().zip(seen);
                 pairs.for_each(|(found, &seen)| *found += seen);
                 y += seen.len();
@@ -238,7 +238,7 @@ impl<'a> Course<'a> {
 }
 
 /// Lines that are swept side by side.
-struct Bundle<T> {
+struct Swath<T> {
     /// The first of them, by the row that it begins in.
     line: isize,
     columns: Range<usize>,
@@ -246,10 +246,10 @@ struct Bundle<T> {
     seen: Vec<T>,
 }
 
-impl<T> Bundle<T> {
+impl<T> Swath<T> {
     /// Sweeps the lines: slopes to the horizons of the upper pixels, or of the nearer ones.
     #[inline(always)]
-    fn sweep(&self, course: &Course, heights: &Strips, room: &mut HullStacks, to: &mut [f32]) {
+    fn sweep(&self, course: &Course, heights: &Heights, room: &mut HullStacks, to: &mut [f32]) {
         let mut hulls = Hulls::new(room);
         let mut around = [[[0.0; LINES]; 4]; GATHERED + 1];
         let blocks = to.as_chunks_mut().0.chunks_mut(GATHERED);

@@ -21,7 +21,7 @@ pub(crate) fn lines(
     frame: &Frame,
     params: &ContourParams,
 ) -> Vec<Line> {
-    let surface = Surface {
+    let surface = TurningSurface {
         frame,
         silhouette,
         apart: (params.step_px.round() as usize).max(1),
@@ -39,7 +39,7 @@ pub(crate) fn lines(
 }
 
 /// A surface that ends at silhouettes.
-struct Surface<'a> {
+struct TurningSurface<'a> {
     frame: &'a Frame,
     /// The weight of silhouettes.
     silhouette: &'a Plane,
@@ -47,7 +47,7 @@ struct Surface<'a> {
     apart: usize,
 }
 
-impl Surface<'_> {
+impl TurningSurface<'_> {
     /// The crests of the rate of turning where there is a `weight`, and the pixels of corners, which join them, in order.
     fn crests(&self, weight: &Plane, silhouettes: &Ground) -> (Vec<Crest>, Vec<u32>) {
         let mask = &self.frame.mask;
