@@ -1,6 +1,6 @@
 //! Error and run time of shape, light and drawings, on known surfaces: one table.
 //!
-//! `cargo run --release -p examples --example measure -- [mirrors|strokes|warping|WIDTH HEIGHT [ROUNDS]]`
+//! `cargo run --release -p examples --example measure -- [mirrors|strokes|warping|WIDTH Scene::HEIGHT [ROUNDS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N diffusion steps is
 //! `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is also known. Light is compared with double
@@ -20,8 +20,7 @@
 use glam::DVec2;
 use relievo::engine::{Engine, Inputs, Outcome, Request, Run};
 use relievo::frame::{
-    ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SpecularScene, SymmetricPlanes,
-    Vector2Planes,
+    ColorPlanes, Frame, Mask, Plane, SpecularScene, SymmetricPlanes, Vector2Planes,
 };
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -35,7 +34,7 @@ use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::light_reference::{
     Pixel, Settings, irradiance as exact_irradiance, lit, sigma, white,
 };
-use relievo::scenes::{HEIGHT, Scene, WAVE, environment};
+use relievo::scenes::{Scene, environment};
 use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
@@ -100,7 +99,7 @@ fn main() -> Outcomes<()> {
 
 /// The table of all cases.
 fn print_cases(arguments: &[String]) -> Outcomes<()> {
-    let usage = "usage: measure [mirrors|strokes|warping|WIDTH HEIGHT [ROUNDS]]";
+    let usage = "usage: measure [mirrors|strokes|warping|WIDTH Scene::HEIGHT [ROUNDS]]";
     let numbers = arguments.iter().map(|a| a.parse().map_err(|_| usage));
     let numbers: Vec<usize> = numbers.collect::<Result<_, _>>()?;
     let (width, height, rounds) = match numbers[..] {
@@ -466,7 +465,7 @@ fn light_case(
 }
 
 fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
+    let [wr, wg, wb] = ColorPlanes::REC709_LUMINANCE.map(f64::from);
     wr * r + wg * g + wb * b
 }
 
@@ -573,7 +572,7 @@ const MARGIN: usize = 64;
 
 /// What a step of diffusion multiplies a product of waves by: `1 - 4 dt (1 - cos k)`.
 fn decay(time_step: f64) -> f64 {
-    1.0 - 4.0 * time_step * (1.0 - WAVE.cos())
+    1.0 - 4.0 * time_step * (1.0 - Scene::WAVE.cos())
 }
 
 /// Mean and largest error of the trace, relative to its largest value, a wave away from borders.
@@ -583,7 +582,7 @@ fn errors(outcome: &Outcome, mask: &Mask, shape: &ShapeParams, steps: u32) -> (f
         .trace
         .as_ref()
         .expect("enhancing needs the trace");
-    let peak = 2.0 * HEIGHT * WAVE * WAVE;
+    let peak = 2.0 * Scene::HEIGHT * Scene::WAVE * Scene::WAVE;
     let decayed = peak * decay(shape.time_step.into()).powi(steps as i32);
     let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
     for y in MARGIN..trace.height().saturating_sub(MARGIN) {
@@ -593,7 +592,7 @@ fn errors(outcome: &Outcome, mask: &Mask, shape: &ShapeParams, steps: u32) -> (f
             if !(mask.at(x, y - MARGIN) && mask.at(x, y + MARGIN)) {
                 continue;
             }
-            let [cx, cy] = [x, y].map(|i| (WAVE * (i as f64 + 0.5)).cos());
+            let [cx, cy] = [x, y].map(|i| (Scene::WAVE * (i as f64 + 0.5)).cos());
             let error = (f64::from(trace.at(x, y)) + decayed * cx * cy).abs() / peak;
             sum += error;
             largest = largest.max(error);

@@ -10,8 +10,8 @@ use relievo::params::{
     Material, Method, RelightParams, Samples, ScalingParams, Shadows, ShapeParams,
 };
 use relievo::plan::{Available, Goal, Plan};
+use relievo::scenes::Scene;
 use relievo::scenes::light_reference::white;
-use relievo::scenes::{HEIGHT, Scene, WAVE};
 use std::rc::Rc;
 
 const PARTS: Parts = &[
@@ -82,7 +82,7 @@ fn mean_error(frame: &Frame, outcome: &Outcome, to_light: DVec3, rays: &[DVec3])
     for [x, y] in some_covered(&frame.mask, CHECKED) {
         let cosine = frame.normal.at(x, y).dot(to_light);
         // Away from the border, beyond which the waves go on.
-        let reach = (2.0 * HEIGHT / to_light.z * to_light.truncate().length()) as usize + 1;
+        let reach = (2.0 * Scene::HEIGHT / to_light.z * to_light.truncate().length()) as usize + 1;
         let [width, height] = [frame.mask.width(), frame.mask.height()];
         let is_inside = x >= reach && x + reach < width && y >= reach && y + reach < height;
         if cosine < 0.05 || !is_inside {
@@ -98,7 +98,8 @@ fn mean_error(frame: &Frame, outcome: &Outcome, to_light: DVec3, rays: &[DVec3])
 
 /// Whether a ray from the waves at this pixel leaves them.
 fn is_free([x, y]: [usize; 2], to: DVec3) -> bool {
-    let height = |at: DVec2| HEIGHT * (WAVE * at.x).cos() * (WAVE * at.y).cos();
+    let height =
+        |at: DVec2| Scene::HEIGHT * (Scene::WAVE * at.x).cos() * (Scene::WAVE * at.y).cos();
     let from = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
     let (ground, rise) = (to.truncate().length(), to.z);
     let step = DVec2::new(to.x, -to.y) / ground * STEP;
@@ -106,7 +107,7 @@ fn is_free([x, y]: [usize; 2], to: DVec3) -> bool {
     let mut t = 1;
     loop {
         let at = own + f64::from(t) * STEP * rise / ground;
-        if at >= HEIGHT {
+        if at >= Scene::HEIGHT {
             return true;
         }
         if height(from + f64::from(t) * step) > at {

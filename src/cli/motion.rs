@@ -1,6 +1,6 @@
 //! Motion between the frames of a sequence.
 
-use crate::frame::{AWAY, Camera, Frame, Vector2Planes, static_world_motion};
+use crate::frame::{Camera, Frame, Vector2Planes, static_world_motion};
 use crate::io::motion::{FrameBefore, MotionConvention, MotionLayers, MotionVerdict};
 
 /// State kept from a frame to find the motion of the next.
@@ -107,7 +107,8 @@ impl Steps {
 
 /// Motion over several frames, from that of one.
 fn longer(motion: Vector2Planes, factor: f32) -> Vector2Planes {
-    let times = |m: f32| if m == AWAY { m } else { factor * m };
+    let is_known = |m: f32| m != Vector2Planes::AWAY;
+    let times = |m: f32| if is_known(m) { factor * m } else { m };
     match factor == 1.0 {
         true => motion,
         false => Vector2Planes {

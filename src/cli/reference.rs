@@ -6,7 +6,7 @@ use crate::command::args::LayerNames;
 use crate::command::commands::program;
 use crate::command::recipe::{COMMANDS, is_setting, is_switch};
 use crate::error::short as short_number;
-use crate::params::{Choice, Kind, Many, Param, param};
+use crate::params::{Choice, Kind, Many, Param};
 use crate::product::{Product, ProductRow};
 use crate::stages::stages;
 use clap::{Arg, ArgAction};
@@ -176,7 +176,7 @@ impl ArgumentRow {
     }
 
     fn cells(&self) -> [String; 5] {
-        let row = self.arg.get_long().and_then(param);
+        let row = self.arg.get_long().and_then(Param::named);
         let default = self.arg.get_default_values().iter();
         let default: Vec<_> = default.map(|value| value.to_string_lossy()).collect();
         let default = match is_switch(self.arg) {

@@ -5,12 +5,13 @@ use crate::command::args::BackendArg;
 use crate::command::memory::MaxMemory;
 use crate::command::output::MOST_PLANES;
 use crate::engine::tiles::Strips;
-use crate::error::{Error, Result, bad};
+use crate::error::{Result, bad};
 use crate::io::exr::encoding_bytes;
 use crate::io::inputs::Wrap;
 use crate::io::output::OutputKind;
 use crate::io::picture::Gathered;
 use crate::io::{decoding_bytes, picture_size, program_bytes, surroundings_bytes};
+use crate::untrusted::shown;
 use std::path::Path;
 
 /// Most that a photo takes where no amount is given: beyond it goes in strips.
@@ -60,27 +61,10 @@ pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Resul
             "leave one of them out",
         ));
     }
-    let bytes = path.map_or(Ok(0), surroundings_bytes)?;
-    let least = bytes.saturating_add(whole_bytes(job));
-    let (mib, most) = (
-        |bytes: u64| bytes.div_ceil(1 << 20),
-        job.args().run.max_memory.most(),
-    );
-    match path.filter(|_| least > most) {
-        None => Ok(()),
-        Some(path) => Err(Error::Unsupported {
-            path: path.to_path_buf(),
-            found: format!(
-                "takes about {} MiB beside the frame, and {} are allowed in all",
-                mib(bytes),
-                most >> 20
-            ),
-            remedy: format!(
-                "give --max-memory {}M or more, or a smaller map",
-                mib(least)
-            ),
-        }),
-    }
+    let Some(path) = path else { return Ok(()) };
+    let why = format!("keeps {} beside it", shown(path));
+    let args = job.args();
+    args.refuse_above(&args.input, surroundings_bytes(path)?, &why)
 }
 
 /// About how much memory the frame takes as a whole.

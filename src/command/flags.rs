@@ -2,9 +2,7 @@
 
 use crate::error::{Result, bad};
 use crate::params::table::rows;
-use crate::params::{
-    Choice, Kind, Many, Param, Parameters, Params, Scale, Style, check_scales, table,
-};
+use crate::params::{Choice, Kind, Many, Param, Parameters, Params, Scale, Style, check_scales};
 use clap::builder::{PossibleValuesParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -151,7 +149,7 @@ impl FromArgMatches for Flags {
     /// Reads every parameter that the command has, whichever section declares it.
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let mut params = Params::default();
-        for row in table() {
+        for row in Param::all() {
             if let Some(values) = values(matches, row.name()) {
                 // Of several values of one number the first is the parameter.
                 let is_number = matches!(row.kind, Kind::Number { .. });
@@ -234,7 +232,7 @@ pub(super) struct Section<const GROUP: u8>;
 
 impl<const GROUP: u8> Args for Section<GROUP> {
     fn augment_args(command: Command) -> Command {
-        let rows = table()
+        let rows = Param::all()
             .iter()
             .filter(|row| row.has_flag() && row.group as u8 == GROUP);
         command.args(rows.map(|row| arg(row)))

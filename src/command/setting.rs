@@ -2,7 +2,7 @@
 
 use super::commands::command_named;
 use super::recipe::{is_repeatable, is_setting, is_switch};
-use crate::params::{self, Param, Useful, param};
+use crate::params::{self, Param, Useful};
 use clap::Arg;
 
 /// A setting as a control shows it.
@@ -58,7 +58,7 @@ pub fn settings_of(command: &str) -> Vec<Setting> {
 
 fn setting(arg: &Arg) -> Option<Setting> {
     let name = arg.get_long()?;
-    let row = param(name);
+    let row = Param::named(name);
     let defaults = arg.get_default_values().iter();
     let defaults: Vec<_> = defaults.map(|v| v.to_string_lossy()).collect();
     let has_default = !defaults.is_empty() && !is_switch(arg);
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn every_parameter_with_a_flag_is_a_setting() {
         let all = all();
-        for row in params::table().iter().filter(|row| row.has_flag()) {
+        for row in Param::all().iter().filter(|row| row.has_flag()) {
             let setting = all.iter().find(|setting| setting.name == row.name());
             let setting = setting.unwrap_or_else(|| panic!("no command has {}", row.flag));
             assert_eq!(setting.family, row.group.name(), "{}", row.flag);

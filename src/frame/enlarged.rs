@@ -1,7 +1,7 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
 use super::gap::of_frame::parted;
-use super::{AWAY, Camera, Frame, Mask, Plane, Projection, Vector2Planes, Window};
+use super::{Camera, Frame, Mask, Plane, Projection, Vector2Planes, Window};
 use crate::params::ShapeParams;
 use std::cell::Cell;
 
@@ -48,7 +48,8 @@ impl Frame {
     /// The `motion` of its surface for the frame [enlarged](Self::enlarged) so many times, in pixels of that.
     pub fn enlarged_motion(&self, motion: &Vector2Planes, factor: f64) -> Vector2Planes {
         let enlarger = Enlarger::new(self, factor);
-        let plane = |plane: &Plane| enlarger.plane(plane, AWAY).map(|by| by * factor as f32);
+        let enlarged = |plane: &Plane| enlarger.plane(plane, Vector2Planes::AWAY);
+        let plane = |plane: &Plane| enlarged(plane).map(|by| by * factor as f32);
         Vector2Planes {
             x: plane(&motion.x),
             y: plane(&motion.y),

@@ -41,13 +41,11 @@ pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub use light_layers::{Gloss, LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub(crate) use mask::Extent;
 pub use mask::Mask;
-pub use motion::{AWAY, static_world_motion};
+pub use motion::static_world_motion;
 pub(crate) use objects::pieces;
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
-pub use plane::{
-    ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
-};
+pub use plane::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes};
 pub(crate) use plane::{each_row_of, parallel_rows};
 pub use ray::Ray;
 #[cfg(feature = "cli")]
@@ -173,7 +171,9 @@ pub struct Source {
 impl Frame {
     /// Weights of linear red, green and blue in the picture's luminance: those of its primaries, or of Rec. 709.
     pub fn luminance_weights(&self) -> [f32; 3] {
-        self.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
+        self.source
+            .luminance_weights
+            .unwrap_or(ColorPlanes::REC709_LUMINANCE)
     }
 
     /// The camera's projection, or else the likely one.

@@ -2,11 +2,8 @@
 
 use super::{Camera, DepthKind, Frame, Plane, SightLines, Vector2Planes};
 
-/// Marks unknown motion: it leads outside every picture.
-pub const AWAY: f32 = 1e9;
-
 /// The motion in a static world with a moving camera: from the position where the camera `before` saw the point that is
-/// seen now. [`AWAY`] if it was behind the eye, and outside the mask. `None` without a camera, or without depth that is
+/// seen now. [`Vector2Planes::AWAY`] if it was behind the eye, and outside the mask. `None` without a camera, or without depth that is
 /// a distance.
 pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Planes> {
     let (depth, camera) = (frame.depth.as_ref()?, frame.camera?);
@@ -27,7 +24,7 @@ pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Plan
             .map(|from| at - from);
         match moved {
             Some(moved) if moved.is_finite() => [moved.x as f32, -moved.y as f32],
-            _ => [AWAY; 2],
+            _ => [Vector2Planes::AWAY; 2],
         }
     };
     let both = Plane::from_fn(depth.width(), depth.height(), motion);
@@ -76,6 +73,6 @@ mod tests {
         // A camera beyond the wall saw nothing of it.
         let beyond = at(DVec3::new(0.0, 0.0, -6.0));
         let motion = static_world_motion(&frame, &beyond).unwrap();
-        assert!(motion.x.samples().iter().all(|x| *x == AWAY));
+        assert!(motion.x.samples().iter().all(|x| *x == Vector2Planes::AWAY));
     }
 }

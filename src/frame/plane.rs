@@ -351,6 +351,9 @@ pub struct Vector3Planes {
 }
 
 impl Vector2Planes {
+    /// Marks unknown motion: it leads outside every picture.
+    pub const AWAY: f32 = 1e9;
+
     /// The vectors of planes that `change` makes of these.
     pub(crate) fn mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
         Self {
@@ -451,9 +454,6 @@ impl CurvaturePlanes {
     }
 }
 
-/// Weights of linear red, green and blue in luminance, Rec. 709: the default without primaries in the file.
-pub const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
-
 /// Scene-linear colour, one plane per primary, not clamped.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ColorPlanes {
@@ -466,6 +466,9 @@ pub struct ColorPlanes {
 }
 
 impl ColorPlanes {
+    /// Weights of linear red, green and blue in luminance, Rec. 709: the default without primaries in the file.
+    pub const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
     /// The colour of three planes, or of one grey plane.
     pub(crate) fn of(planes: Vec<Plane>) -> Self {
         let [r, g, b] = three(planes);

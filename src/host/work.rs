@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::io::inputs::{INPUTS, Inputs};
 use crate::io::output::page::LINES;
 use crate::light::lights::Illumination;
-use crate::params::param;
+use crate::params::Param;
 use crate::work::light_of;
 use clap::Arg;
 use std::ffi::OsString;
@@ -154,7 +154,9 @@ fn names_input(arg: &Arg) -> bool {
     let is_of_frame = matches!(heading, Some(INPUTS | "Mirrors and lenses"));
     let is_file = is_of_frame && matches!(form, "NAME" | "FILE" | "JSON");
     let is_layer = form.starts_with("NAME|FILE") || form.starts_with("NAME=");
-    let is_parameter = arg.get_long().is_some_and(|name| param(name).is_some());
+    let is_parameter = arg
+        .get_long()
+        .is_some_and(|name| Param::named(name).is_some());
     (is_file || is_layer || arg.get_id() == "colorspace") && !is_parameter
 }
 

@@ -11,9 +11,6 @@ use glam::Vec3;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// The name of no layer: a role called so is left out, where no layer and no file is called so.
-pub const NONE: &str = "none";
-
 /// The heading of their flags in help.
 #[cfg(feature = "cli")]
 pub(crate) const INPUTS: &str = "Inputs";
@@ -47,7 +44,7 @@ rows! {
     /// Files and layers of a frame, and how to read them: each field with a flag is a row of the table of inputs.
     ///
     /// A role that is `None` is found by its layer's name or numbers; a name refers to a layer of the picture or, if there
-    /// is no such layer, to another file; [`NONE`] leaves the role out. Without normals they are
+    /// is no such layer, to another file; [`Inputs::NONE`] leaves the role out. Without normals they are
     /// those of depth or positions, and of heights, whatever else there is.
     #[derive(Debug, Clone, Default, PartialEq)]
     #[cfg_attr(feature = "cli", command(next_help_heading = INPUTS))]
@@ -129,6 +126,9 @@ rows! {
 
 #[cfg(feature = "cli")]
 impl Inputs {
+    /// The name of no layer: a role called so is left out, where no layer and no file is called so.
+    pub const NONE: &str = "none";
+
     /// The rows that name a layer or a file, and those that name a file: each may be another one for each frame of a
     /// sequence.
     pub(crate) fn names(&mut self) -> ([&mut Option<String>; 8], [&mut Option<PathBuf>; 2]) {

@@ -29,7 +29,7 @@ pub(crate) use judge::borders::wrapped;
 pub use judge::normal_space;
 pub use load::art_map::read_art_map;
 pub(crate) use load::environment;
-pub use load::environment::{read_environment, read_environment_as, read_lit_sphere};
+pub use load::environment::{read_environment, read_lit_sphere};
 #[cfg(feature = "cli")]
 pub(crate) use load::footprint::{
     decoding_bytes, frame_bytes, picture_size, program_bytes, surroundings_bytes,

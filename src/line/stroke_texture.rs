@@ -4,7 +4,7 @@ use super::random::Random;
 use super::stroke_synthesis::DrawnTexels;
 
 /// Pixels that are worked on together.
-pub const BATCH: usize = 64;
+pub(crate) const BATCH: usize = 64;
 
 /// Texels by the thresholds between which they take ink: a repeating square.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ use crate::frame::rows::map_rows;
 use crate::frame::{ColorPlanes, Frame, Plane, luminance};
 use crate::kernel::simd::wide;
 use crate::line::density::{LEAST_ALPHA, STEPS};
-use crate::line::hatching::BATCH;
+use crate::line::stroke_texture::BATCH;
 use std::ops::Range;
 
 /// The optical densities that are drawn.

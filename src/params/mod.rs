@@ -3,16 +3,16 @@
 //! The table describes each parameter for any user interface, and [`Params`] accepts values by name:
 //!
 //! ```
-//! use relievo::params::{Group, Parameters, Params, param, table};
+//! use relievo::params::{Group, Param, Parameters, Params};
 //!
-//! let scaling = param("scaling").unwrap();
+//! let scaling = Param::named("scaling").unwrap();
 //! assert_eq!((scaling.group, scaling.valid.clone()), (Group::Scaling, 0.0..=1e6));
 //! assert_eq!((scaling.default)().as_deref(), Some("1"));
 //!
 //! let mut params = Params::default();
 //! params.set("scaling", "1.5").unwrap();
 //! assert_eq!(params.scaling.scaling, 1.5);
-//! assert!(table().iter().any(|row| row.unit.suffix() == "px"));
+//! assert!(Param::all().iter().any(|row| row.unit.suffix() == "px"));
 //! ```
 
 use std::sync::LazyLock;
@@ -152,22 +152,22 @@ impl Params {
     }
 }
 
-/// The whole table.
-pub fn table() -> &'static [&'static Param] {
-    static TABLE: LazyLock<Vec<&'static Param>> = LazyLock::new(|| {
-        let mut table = Vec::new();
-        Params::rows(&mut table);
-        table
-    });
-    &TABLE
-}
+impl Param {
+    /// The whole table.
+    pub fn all() -> &'static [&'static Self] {
+        static TABLE: LazyLock<Vec<&'static Param>> = LazyLock::new(|| {
+            let mut table = Vec::new();
+            Params::rows(&mut table);
+            table
+        });
+        &TABLE
+    }
 
-/// The row of the parameter named `name` in recipes.
-pub fn param(name: &str) -> Option<&'static Param> {
-    table()
-        .iter()
-        .find(|row| row.has_flag() && row.name() == name)
-        .copied()
+    /// The row of the parameter named `name` in recipes.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        let is_it = |row: &&&Self| row.has_flag() && row.name() == name;
+        Self::all().iter().find(is_it).copied()
+    }
 }
 
 #[cfg(test)]
@@ -187,9 +187,9 @@ mod tests {
 
     #[test]
     fn rows_are_whole() {
-        let names: BTreeSet<_> = table().iter().map(|row| row.name()).collect();
-        assert_eq!(names.len(), table().len(), "a name stands twice");
-        for row in table() {
+        let names: BTreeSet<_> = Param::all().iter().map(|row| row.name()).collect();
+        assert_eq!(names.len(), Param::all().len(), "a name stands twice");
+        for row in Param::all() {
             let help = row.help();
             assert!(!help.is_empty() && !help.contains('\n'), "{}", row.flag);
             assert_eq!(
@@ -204,13 +204,13 @@ mod tests {
                 row.flag
             );
         }
-        assert!(param("stroke-width").is_some() && param("min_nz").is_none());
+        assert!(Param::named("stroke-width").is_some() && Param::named("min_nz").is_none());
     }
 
     #[test]
     fn defaults_are_read_back() {
         Params::default().validate().unwrap();
-        for row in table() {
+        for row in Param::all() {
             if let Some(text) = (row.default)() {
                 assert_eq!(
                     with(row, &text),
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn sliders_reach_no_farther_than_the_range() {
-        for row in table() {
+        for row in Param::all() {
             let Some(Useful {
                 from,
                 to,
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn what_is_outside_a_range_is_refused() {
-        for row in table() {
+        for row in Param::all() {
             let number = |number: f32| match row.kind {
                 Kind::Pair => format!("{number},{number}"),
                 _ if row.flag == "--term-white-level" => format!("diffuse={number}"),
@@ -279,12 +279,12 @@ mod tests {
             }
         }
         // Messages name the flag, the value and the range.
-        let levels = param("levels").unwrap();
+        let levels = Param::named("levels").unwrap();
         assert_eq!(
             with(levels, "361").unwrap_err(),
             "--levels is 361; give 1 to 360"
         );
-        let step = param("direction-step").unwrap();
+        let step = Param::named("direction-step").unwrap();
         let remedy = "give a whole number from 1 to 64, or auto";
         assert_eq!(
             with(step, "1.5").unwrap_err(),

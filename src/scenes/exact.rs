@@ -6,7 +6,7 @@
 //! All quantities of a scene follow from the value, gradient and second derivatives of its surfaces' functions, by the
 //! rules derived below.
 
-use super::surfaces::{DISTANCE, Surface};
+use super::surfaces::Surface;
 use crate::frame::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -126,10 +126,10 @@ impl ExactScene {
         }
     }
 
-    /// The scene with its shapes at this distance from the eye rather than [`DISTANCE`].
+    /// The scene with its shapes at this distance from the eye rather than [`Surface::DISTANCE`].
     pub fn at_distance(mut self, distance: f64) -> Self {
         for surface in &mut self.surfaces {
-            *surface = surface.moved(DVec3::new(0.0, 0.0, DISTANCE - distance));
+            *surface = surface.moved(DVec3::new(0.0, 0.0, Surface::DISTANCE - distance));
         }
         self
     }
@@ -138,8 +138,8 @@ impl ExactScene {
     pub fn in_perspective(self) -> Self {
         let projection = match self.projection {
             Projection::Orthographic { sx, sy, cx, cy } => Projection::Perspective {
-                fx: sx * DISTANCE,
-                fy: sy * DISTANCE,
+                fx: sx * Surface::DISTANCE,
+                fy: sy * Surface::DISTANCE,
                 cx,
                 cy,
             },

@@ -42,10 +42,6 @@ pub struct Settings<'a> {
     pub material: &'a MaterialParams,
 }
 
-/// A light with a smaller cosine to the normal, in magnitude, may be on either side of the horizon in single precision,
-/// where lobes without a cosine factor end in a step.
-pub const HORIZON: f64 = 1e-5;
-
 /// White of one material with gains of 1, without ambient light.
 pub fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
     RelightParams {
@@ -66,6 +62,10 @@ pub fn white(material: Material, method: Method, samples: Samples) -> RelightPar
 }
 
 impl Pixel {
+    /// A light with a smaller cosine to the normal, in magnitude, may be on either side of the horizon in single precision,
+    /// where lobes without a cosine factor end in a step.
+    pub const HORIZON: f64 = 1e-5;
+
     /// The pixel at column `x`, row `y`, of a frame with this Hessian, of the height in pixels, with the grain at `grain_deg` degrees in
     /// the picture.
     pub fn of(
@@ -247,7 +247,7 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
         // Directions are unit vectors only up to f32 rounding.
         let direction = light.to_light.as_dvec3().normalize();
         let incident = incident(pixel, direction, s);
-        if incident.cosine.abs() < HORIZON {
+        if incident.cosine.abs() < Pixel::HORIZON {
             return None;
         }
         let [diffuse, specular] = shone(pixel, &incident, s);

@@ -41,14 +41,15 @@ enum Truth {
     Unknown,
 }
 
-/// Wave number per pixel of [`Scene::waves`]: 64 pixels long.
-pub const WAVE: f64 = 2.0 * PI / 64.0;
-/// Height of [`Scene::waves`] in pixels: slopes up to 1/2.
-pub const HEIGHT: f64 = 5.0;
 /// Distance of the scenes from the eye.
 const DISTANCE: f64 = 2000.0;
 
 impl Scene {
+    /// Wave number per pixel of [`Scene::waves`]: 64 pixels long.
+    pub const WAVE: f64 = 2.0 * PI / 64.0;
+    /// Height of [`Scene::waves`] in pixels: slopes up to 1/2.
+    pub const HEIGHT: f64 = 5.0;
+
     /// All scenes, at one size.
     pub fn all(width: usize, height: usize) -> Vec<Self> {
         vec![
@@ -63,7 +64,8 @@ impl Scene {
         let normal = |x: usize, y: usize| {
             let ((sx, cx), (sy, cy)) = (wave_at(x), wave_at(y));
             // y points up, rows run down: d/dy = -d/drow.
-            DVec3::new(HEIGHT * WAVE * sx * cy, -HEIGHT * WAVE * cx * sy, 1.0).normalize()
+            let slope = Self::HEIGHT * Self::WAVE;
+            DVec3::new(slope * sx * cy, -slope * cx * sy, 1.0).normalize()
         };
         Self {
             name: "waves",
@@ -156,8 +158,9 @@ impl Scene {
         let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
         match self.truth {
             Truth::Waves if px.min(py).min(w - px).min(h - py) > margin => {
-                let decay = (-2.0 * WAVE * WAVE * time).exp();
-                Some(-2.0 * HEIGHT * WAVE * WAVE * decay * wave_at(x).1 * wave_at(y).1)
+                let square = Self::WAVE.powi(2);
+                let peak = -2.0 * Self::HEIGHT * square * (-2.0 * square * time).exp();
+                Some(peak * wave_at(x).1 * wave_at(y).1)
             }
             Truth::Ball { radius } if self.foreshortening == 0.0 => {
                 let from_middle = (px - 0.5 * w - 0.3).hypot(0.5 * h - 0.2 - py);
@@ -183,7 +186,7 @@ fn bare(scene: &ExactScene, width: usize, height: usize) -> Frame {
 
 /// Sine and cosine of a wave at the centre of pixel `i`.
 fn wave_at(i: usize) -> (f64, f64) {
-    (WAVE * (i as f64 + 0.5)).sin_cos()
+    (Scene::WAVE * (i as f64 + 0.5)).sin_cos()
 }
 
 /// The unit normal of a ball around the origin, seen at (`x`, `y`), y up.

@@ -1,12 +1,9 @@
 //! Surfaces as zero sets of functions with explicit gradients and second derivatives.
 //!
-//! Shapes are on the view axis, [`DISTANCE`] from the eye, unless moved.
+//! Shapes are on the view axis, [`Surface::DISTANCE`] from the eye, unless moved.
 
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
-
-/// Distance of the shapes from the eye.
-pub const DISTANCE: f64 = 400.0;
 
 /// Smallest step of a ray toward a surface, in pixels.
 const LEAST_STEP: f64 = 0.01;
@@ -55,10 +52,13 @@ pub enum Surface {
 }
 
 fn middle() -> DVec3 {
-    DVec3::new(0.0, 0.0, -DISTANCE)
+    DVec3::new(0.0, 0.0, -Surface::DISTANCE)
 }
 
 impl Surface {
+    /// Distance of the shapes from the eye.
+    pub const DISTANCE: f64 = 400.0;
+
     /// A plane through the centre, facing along `normal`.
     pub fn plane(normal: DVec3) -> Self {
         Self::Plane {
@@ -125,7 +125,7 @@ impl Surface {
     /// Parallel waves of the given amplitude and wavelength, varying along the direction `angle`.
     pub fn sine_relief(amplitude: f64, wavelength: f64, angle: f64) -> Self {
         Self::SineRelief {
-            base: -DISTANCE,
+            base: -Surface::DISTANCE,
             amplitude,
             wave: DVec2::from_angle(angle) * (2.0 * PI / wavelength),
         }

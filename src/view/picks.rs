@@ -4,7 +4,7 @@ use super::lights::make_way;
 use super::look::{ENVIRONMENT, LIT_SPHERE, LightFile, Look, Setting, ShownFile};
 use super::setting_row::{Changes, name_of, named_button, reset};
 use super::thumbnails::{Motif, Thumbnails, tile};
-use crate::params::{self, Kind, param};
+use crate::params::{self, Kind, Param};
 use eframe::egui::{Ui, Vec2, vec2};
 
 /// Settings whose words, those of their table, are shown on the frame.
@@ -107,7 +107,7 @@ pub(super) fn picks(
 
 /// The words of a setting, each as the frame looks with it.
 fn of_words(name: &str, look: &Look, reading: &ShownFile) -> Vec<SettingChoice> {
-    let words: &[params::Choice] = match param(name).map(|row| row.kind) {
+    let words: &[params::Choice] = match Param::named(name).map(|row| row.kind) {
         Some(Kind::Choice(words) | Kind::ChoiceOrFolder(words)) => words,
         _ => &[],
     };

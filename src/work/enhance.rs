@@ -8,7 +8,7 @@ use crate::engine::request::Request;
 use crate::error::{Result, bad};
 use crate::frame::{Frame, LightLayers};
 use crate::io::Needs;
-use crate::io::inputs::{Inputs, NONE};
+use crate::io::inputs::Inputs;
 use crate::io::output::picture::MadePicture;
 use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::monotone_limit;
@@ -59,7 +59,7 @@ impl FrameWork for EnhanceArgs {
     fn reading(&self, _: &Illumination) -> Result<(Inputs, Needs)> {
         let mut inputs = self.work.inputs();
         if self.work.roles.computes_occlusion() {
-            inputs.occlusion = Some(NONE.into());
+            inputs.occlusion = Some(Inputs::NONE.into());
         }
         inputs.light = Some(self.light.inputs(&self.work.flags.params));
         let needs = Needs {

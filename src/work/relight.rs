@@ -8,7 +8,7 @@ use crate::engine::request::{Request, is_dark};
 use crate::error::{Result, bad};
 use crate::frame::Frame;
 use crate::io::environment::{read_environment_within, read_lit_sphere_within};
-use crate::io::inputs::{Inputs, LightInputs, LobeChoice, NONE, Wrap};
+use crate::io::inputs::{Inputs, LightInputs, LobeChoice, Wrap};
 use crate::io::output::picture::MadePicture;
 use crate::io::{Needs, SpecularInputs, picture_size};
 use crate::light::environment::Environment;
@@ -173,7 +173,9 @@ impl RelightArgs {
         let is_computed = self.work.roles.computes_occlusion();
         Inputs {
             albedo: self.surface.albedo.clone(),
-            occlusion: is_computed.then(|| NONE.into()).or(inputs.occlusion),
+            occlusion: is_computed
+                .then(|| Inputs::NONE.into())
+                .or(inputs.occlusion),
             light: Some(LightInputs {
                 lobes: LobeChoice::Off,
                 // Of light that comes from all directions.

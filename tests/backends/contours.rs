@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
 use relievo::params::StrokeScale;
 use relievo::plan::Tone;
-use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
+use relievo::scenes::{ExactScene, Surface};
 
 /// A wall, square to the view axis.
 fn wall(width: usize, height: usize) -> Frame {
@@ -36,7 +36,10 @@ fn edged() -> Vec<(&'static str, Frame)> {
     let steps = |[low, high]: [f32; 2]| disc.map(|share| low + share * (high - low));
 
     let mut spread = wall(150, 131);
-    spread.depth = Some(steps([1.25 * DISTANCE as f32, DISTANCE as f32]));
+    spread.depth = Some(steps([
+        1.25 * Surface::DISTANCE as f32,
+        Surface::DISTANCE as f32,
+    ]));
     let mut occluded = wall(150, 131);
     occluded.depth = None;
     occluded.occlusion = Some(steps([0.9, 0.2]));
@@ -47,7 +50,7 @@ fn edged() -> Vec<(&'static str, Frame)> {
     // A step of 80 between two columns, of which normals that lean by 20 to 1 explain 20, or the opposite.
     let leaning = |scene: ExactScene| {
         let mut frame = with_color(scene.frame(150, 120));
-        let depth = |x: usize| DISTANCE as f32 - if x < 70 { 0.0 } else { 80.0 };
+        let depth = |x: usize| Surface::DISTANCE as f32 - if x < 70 { 0.0 } else { 80.0 };
         frame.depth = Some(Plane::from_fn(150, 120, |x, _| depth(x)));
         frame.normal = Vector3Planes::from_fn(150, 120, |x, y| match (x, y < 60) {
             (69 | 70, true) => DVec3::new(1.0, 0.0, 0.05).normalize(),

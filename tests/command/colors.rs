@@ -36,7 +36,7 @@ fn acescg_is_shown_in_srgb_and_kept_in_layers() {
     let here = desk.path();
     write_wall(&here.join("given.exr"), [0.5, 0.4, 0.2], None);
     // The file itself states AP1.
-    let ap1 = relievo::io::colorspace::AP1;
+    let ap1 = relievo::io::colorspace::ColorSpace::AP1;
     write_wall(&here.join("tagged.exr"), [0.5, 0.4, 0.2], Some(ap1));
     // 1.70505 * 0.5 - 0.62179 * 0.4 - 0.08326 * 0.2, and so on, of the published matrix.
     let expected = [0.5872, 0.3891, 0.1670];

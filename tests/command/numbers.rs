@@ -4,7 +4,7 @@ use super::inputs::{desk, write_frame};
 use crate::common::exr::Part;
 use crate::common::program::{names, relievo};
 use relievo::frame::Plane;
-use relievo::io::colorspace::AP1;
+use relievo::io::colorspace::ColorSpace;
 use relievo::io::exr::{ChannelId, ExrFile};
 use std::fs;
 use std::path::Path;
@@ -200,7 +200,7 @@ fn what_overflows_in_spite_of_all_ranges_is_not_written() {
     let (grey, zero, one) = (plane(3e38), plane(0.0), plane(1.0));
     let picture = ["R", "G", "B"].map(|name| (name, &grey));
     let normals = [("N.X", &zero), ("N.Y", &zero), ("N.Z", &one)];
-    let part = Part::of(picture.into_iter().chain(normals)).chromaticities(AP1);
+    let part = Part::of(picture.into_iter().chain(normals)).chromaticities(ColorSpace::AP1);
     for number in 1..=2 {
         let path = here.join(format!("in.{number:04}.exr"));
         part.clone().write(&path);

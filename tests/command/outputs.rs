@@ -6,7 +6,7 @@ use crate::common::exr::channel;
 use crate::common::program::{Ran, fixture, names, program, relievo};
 use relievo::engine::{Engine, Request, Run};
 use relievo::io::exr::ExrFile;
-use relievo::io::inputs::{Inputs, NONE};
+use relievo::io::inputs::Inputs;
 use relievo::io::photo::Photo;
 use relievo::io::{Needs, load};
 use relievo::light::lights::Illumination;
@@ -373,7 +373,7 @@ fn a_request_saves_what_the_program_writes() {
         relievo(here, &words).ended(0);
         let inputs = Inputs {
             picture: bust.clone(),
-            occlusion: computes_occlusion.then(|| NONE.into()),
+            occlusion: computes_occlusion.then(|| Inputs::NONE.into()),
             ..Inputs::default()
         };
         let needs = Needs {

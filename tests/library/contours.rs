@@ -11,7 +11,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::frames::masked;
-use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
+use relievo::scenes::{ExactScene, Surface};
 use std::f32::consts::{PI, TAU};
 
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
@@ -310,7 +310,9 @@ fn an_edge_goes_on_behind_a_ball() {
         f64::from(at.x),
         f64::from(at.y),
     );
-    let ball = ball.at_distance(0.9 * DISTANCE - 120.0).frame(160, 160);
+    let ball = ball
+        .at_distance(0.9 * Surface::DISTANCE - 120.0)
+        .frame(160, 160);
     let drawing = drawn(&before(block.frame(160, 160), &ball));
     let is_on_edge = |line: &&Contour| {
         let along = |p: &Vec2| (*p - corner).dot(edge) > -1.0 && (p.x - corner.x).abs() < 0.6;
@@ -341,7 +343,7 @@ fn an_edge_goes_on_behind_a_ball() {
 #[test]
 fn depth_that_a_filter_spread_gives_the_same_single_line() {
     // A disc one quarter of the distance before a wall, its border pixels mixed by coverage.
-    let (near, far) = (DISTANCE, 1.25 * DISTANCE);
+    let (near, far) = (Surface::DISTANCE, 1.25 * Surface::DISTANCE);
     let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 80.0, 80.0).frame(160, 160);
     let coverage = coverage_of_disc();
     for spread in [false, true] {

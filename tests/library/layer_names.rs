@@ -2,7 +2,7 @@
 
 use crate::common::exr::{Part, Stored, write};
 use relievo::frame::{Plane, Window};
-use relievo::io::inputs::{Inputs, NONE};
+use relievo::io::inputs::Inputs;
 use relievo::io::roles::Role;
 use relievo::io::{Loaded, Needs, load, survey};
 use relievo::scenes::frames::noise;
@@ -247,7 +247,7 @@ fn none_leaves_a_layer_out() {
     let path = directory.path().join("layers.exr");
     let names = ["N", "depth", "P"].map(String::from);
     write_parts(&path, &Scene::new().parts(&names, false));
-    let none = || Some(NONE.to_string());
+    let none = || Some(Inputs::NONE.to_string());
     let with = |change: &dyn Fn(&mut Inputs)| {
         let mut inputs = Inputs {
             picture: path.clone(),

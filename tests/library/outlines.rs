@@ -2,7 +2,7 @@
 
 use crate::common::exr::Part;
 use relievo::frame::{Mask, Plane, Vector3Planes};
-use relievo::io::inputs::{Flip, Inputs, NONE, StoredDepth};
+use relievo::io::inputs::{Flip, Inputs, StoredDepth};
 use relievo::io::{Loaded, Needs, load};
 use std::path::Path;
 
@@ -84,7 +84,7 @@ fn read(scene: &Scene, flip: Flip, depth: Option<StoredDepth>) -> Loaded {
     Part::of(names.into_iter().zip(stored.iter().chain([&grey]))).write(&path);
     let inputs = Inputs {
         picture: path,
-        depth: Some(depth.map_or(NONE, |_| "grey").into()),
+        depth: Some(depth.map_or(Inputs::NONE, |_| "grey").into()),
         ..Inputs::default()
     };
     load(&inputs, Needs::default()).unwrap()

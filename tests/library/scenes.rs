@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use relievo::frame::Projection;
 use relievo::scenes::exact::{Exact, ExactScene, ball_trace, five_point};
-use relievo::scenes::surfaces::{DISTANCE, Surface};
+use relievo::scenes::surfaces::Surface;
 
 const SIDE: usize = 96;
 /// Off the middle of a pixel and of the picture, so that no symmetry hides a mistake.
@@ -192,7 +192,7 @@ fn rows_run_down_and_y_runs_up() {
 fn torus_curvature() {
     let (ring, tube, axis) = (30.0, 12.0, DVec3::new(0.3, 0.5, 0.8).normalize());
     let scene = orthographic(Surface::torus(ring, tube, axis));
-    let center = DVec3::new(0.0, 0.0, -DISTANCE);
+    let center = DVec3::new(0.0, 0.0, -Surface::DISTANCE);
     let (mut checked, mut saddles) = (0, 0);
     for (x, y) in (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE)) {
         let Some(seen) = scene.exact(x, y) else {

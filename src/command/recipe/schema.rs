@@ -3,7 +3,7 @@
 use super::{CHOSEN, COMMANDS, FRAMES, VERSION};
 use crate::command::commands::command_named;
 use crate::command::setting::{self, Setting, settings_of};
-use crate::params::{Kind, Many, Param, param};
+use crate::params::{Kind, Many, Param};
 use clap::Command;
 use serde_json::{Map, Value, json};
 
@@ -70,7 +70,7 @@ fn of_setting(setting: &Setting) -> Value {
 }
 
 fn of_value(setting: &Setting) -> Value {
-    let row = param(&setting.name).map(|row| (row, row.kind, row.many));
+    let row = Param::named(&setting.name).map(|row| (row, row.kind, row.many));
     match (&setting.kind, row) {
         (_, Some((row, Kind::Number { whole, word: None }, Many::One))) => of_number(row, whole),
         (setting::SettingKind::Switch, _) => json!({ "type": "boolean" }),

@@ -10,8 +10,6 @@ pub(crate) type Chromaticities = [f32; 8];
 
 /// Chromaticities of ITU-R BT.709 and sRGB.
 pub(crate) const REC709: Chromaticities = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
-/// AP1, of ACEScg (S-2014-004).
-pub const AP1: Chromaticities = [0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767];
 /// AP0, of ACES2065-1 (SMPTE ST 2065-1).
 pub(crate) const AP0: Chromaticities = [0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767];
 
@@ -29,6 +27,9 @@ pub enum ColorSpace {
 }
 
 impl ColorSpace {
+    /// AP1, of ACEScg (S-2014-004).
+    pub const AP1: Chromaticities = [0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767];
+
     /// All spaces, with their names for `--colorspace`.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Linear, "linear"),
@@ -41,7 +42,7 @@ impl ColorSpace {
     pub fn chromaticities(self) -> Chromaticities {
         match self {
             Self::Linear | Self::Srgb => REC709,
-            Self::AcesCg => AP1,
+            Self::AcesCg => Self::AP1,
             Self::Aces => AP0,
         }
     }

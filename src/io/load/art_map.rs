@@ -1,7 +1,7 @@
 //! Reading a custom tonal art map: a folder of pictures of strokes.
 
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE, luminance};
+use crate::frame::{ColorPlanes, Plane, luminance};
 use crate::io::environment::{color_size, read_color};
 use crate::io::open::files_in;
 use crate::io::picture::is_picture_name;
@@ -70,6 +70,6 @@ fn pictures_in(path: &Path) -> Result<Vec<PathBuf>> {
 /// Darkness of a picture: 1 minus its luminance.
 fn ink(color: &ColorPlanes) -> Plane {
     Plane::from_fn(color.r.width(), color.r.height(), |x, y| {
-        1.0 - luminance(color.at(x, y), REC709_LUMINANCE)
+        1.0 - luminance(color.at(x, y), ColorPlanes::REC709_LUMINANCE)
     })
 }

@@ -4,7 +4,7 @@
 
 use super::opened::Opened;
 use crate::error::{Error, Result};
-use crate::io::inputs::{Inputs, NONE};
+use crate::io::inputs::Inputs;
 use crate::io::open::files_in;
 use crate::io::photo::pictures_in;
 use crate::io::roles::Role;
@@ -145,7 +145,7 @@ impl RoleBundle {
         let given = |role| self.member(role).map(|file| file.display().to_string());
         inputs.picture = self.picture().map(PathBuf::from).unwrap_or_default();
         let has_image = self.member(Role::Color).is_some();
-        let no_picture = (!has_image).then(|| NONE.into());
+        let no_picture = (!has_image).then(|| Inputs::NONE.into());
         let has_depth = self.member(Role::Depth).is_some() || inputs.depth.is_some();
         for (own, found) in [
             (&mut inputs.color, no_picture),

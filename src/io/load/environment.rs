@@ -67,14 +67,6 @@ pub(crate) fn read_environment_within(path: &Path, most_bytes: u64) -> Result<En
     Ok(Environment::of_layout(picture, layout))
 }
 
-/// The environment in the picture at `path`, whose directions are laid out by `layout`.
-///
-/// # Errors
-/// Any [`Error`] of reading; [`Error::Unsupported`] without colour.
-pub fn read_environment_as(path: &Path, layout: Layout) -> Result<Environment> {
-    Ok(Environment::of_layout(read_color(path)?, layout))
-}
-
 /// The lit sphere in the picture at `path`: EXR, HDR, PNG, JPEG or TIFF. Layers called `diffuse` and
 /// `specular` are added up. Those of EXR and HDR have no upper limit: [`LitSphere::scene_linear`].
 ///

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::frame::coverage::shares;
 use crate::frame::{Plane, Vector3Planes, Window};
 use crate::io::colorspace::ColorSpace;
-use crate::io::inputs::{Inputs, NONE, Needs, StoredDepth};
+use crate::io::inputs::{Inputs, Needs, StoredDepth};
 use crate::io::judge::borders::Borders;
 #[cfg(feature = "cli")]
 use crate::io::motion::means_motion;
@@ -23,7 +23,7 @@ use std::rc::Rc;
 /// Silhouettes use one map: an occlusion map named explicitly makes depth unnecessary.
 pub(crate) fn only_occlusion(inputs: &Inputs) -> bool {
     let occlusion = inputs.occlusion.as_deref();
-    occlusion.is_some_and(|name| name != NONE) && inputs.depth.is_none()
+    occlusion.is_some_and(|name| name != Inputs::NONE) && inputs.depth.is_none()
 }
 
 /// The sources of all roles that this run reads.

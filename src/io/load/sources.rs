@@ -10,7 +10,7 @@ use crate::frame::{
 };
 use crate::io::colorspace::ColorSpace;
 use crate::io::exr::{ChannelId, Part, SampleType};
-use crate::io::inputs::{Inputs, NONE, NormalEncoding, Wrap};
+use crate::io::inputs::{Inputs, NormalEncoding, Wrap};
 use crate::io::judge::borders::Borders;
 use crate::io::judge::map_codes::Mistake;
 use crate::io::noise::noise_of;
@@ -70,7 +70,7 @@ impl RoleSource {
             return Ok(Self::in_file(role, &file));
         }
         if !path.exists() && !is_inside(path) {
-            if name == NONE && role != Role::Normal {
+            if name == Inputs::NONE && role != Role::Normal {
                 return Ok(None);
             }
             return Err(no_such_layer(role, name, main));

@@ -5,7 +5,7 @@
 //! still world, and better than any other reading of the same channels. If none does, nothing is concluded.
 
 use super::{MotionConvention, MotionLayers};
-use crate::frame::{AWAY, Frame, Mask, Plane, Vector2Planes, Vector3Planes, Window};
+use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes, Window};
 use rayon::prelude::*;
 
 /// Pixels that are compared, about.
@@ -112,7 +112,8 @@ pub(super) fn judge(
             scene.way(pair, convention, back.collect())
         })
         .collect();
-    ways.retain(|way| way.back.iter().any(|back| back[0].hypot(back[1]) < AWAY));
+    let is_known = |back: &[f32; 2]| back[0].hypot(back[1]) < Vector2Planes::AWAY;
+    ways.retain(|way| way.back.iter().any(is_known));
     let stands = scene.way(0, MotionConvention::BACK, vec![[0.0; 2]; scene.at.len()]);
     let world = still.map(|come| {
         let at = scene.at.iter();

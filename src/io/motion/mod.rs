@@ -14,7 +14,7 @@ pub(super) use layers::means_motion;
 pub(super) use layers::motion_sources;
 use layers::{convention_by_name, has_third};
 
-use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
+use crate::frame::{Frame, Plane, Vector2Planes, Window};
 use crate::io::load::sources::RoleSource;
 use crate::untrusted::Untrusted;
 
@@ -68,7 +68,7 @@ impl MotionLayers {
     }
 
     /// Motion of the surface at each pixel since the previous frame, in pixels, x right, y up, as implied by the name of
-    /// the first layer; [`AWAY`] where the file has no finite number. `None` if no name implies a convention.
+    /// the first layer; [`Vector2Planes::AWAY`] where the file has no finite number. `None` if no name implies a convention.
     pub fn by_name(&self) -> Option<Vector2Planes> {
         let (index, convention) = self.named()?;
         Some(self.come(index, convention))
@@ -113,7 +113,7 @@ impl MotionLayers {
         let both = Plane::from_fn(x.width(), x.height(), |i, j| {
             match convention.back([x.at(i, j), y.at(i, j)], self.display) {
                 [x, y] if x.is_finite() && y.is_finite() => [-x, -y],
-                _ => [AWAY; 2],
+                _ => [Vector2Planes::AWAY; 2],
             }
         });
         Vector2Planes {

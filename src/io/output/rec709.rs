@@ -43,7 +43,7 @@ pub(crate) fn converted(color: &ColorPlanes, matrix: DMat3) -> ColorPlanes {
 mod tests {
     use super::*;
     use crate::frame::Plane;
-    use crate::io::colorspace::AP1;
+    use crate::io::colorspace::ColorSpace;
 
     #[test]
     fn impossible_primaries_have_no_matrix() {
@@ -63,7 +63,7 @@ mod tests {
             [-0.130_26, 1.140_80, -0.010_55],
             [-0.024_00, -0.128_97, 1.152_97],
         ];
-        let matrix = rec709_from(AP1).unwrap();
+        let matrix = rec709_from(ColorSpace::AP1).unwrap();
         for (row, expected) in expected.into_iter().enumerate() {
             for (found, expected) in matrix.row(row).to_array().into_iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-4, "{found} for {expected}");

@@ -212,7 +212,7 @@ mod tests {
     use super::*;
     use crate::light::radiance_scaling::scaling;
 
-    const GREY: [f32; 3] = crate::frame::REC709_LUMINANCE;
+    const GREY: [f32; 3] = crate::frame::ColorPlanes::REC709_LUMINANCE;
 
     fn by(magnitude: f32, white: f32) -> TermScaling {
         TermScaling {

@@ -20,8 +20,7 @@ pub(crate) mod stage;
 
 use super::random::Random;
 use super::response::Response;
-pub use super::stroke_texture::BATCH;
-use super::stroke_texture::Places;
+use super::stroke_texture::{BATCH, Places};
 use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
 use crate::params::StrokeParams;
 use glam::Vec2;
@@ -87,6 +86,9 @@ impl Default for Pixels {
 }
 
 impl Pixels {
+    /// Pixels that fit.
+    pub const MOST: usize = BATCH;
+
     /// Sets the density to the share of one of `families` families of strokes: all of the tone with one family, and for
     /// a second, crossing it, half of the excess over a third of the ink.
     #[inline(always)]

@@ -1,7 +1,8 @@
 //! One of the drawings that share a hatching, each by its own map of places.
 
 use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::line::hatching::{BATCH, Pixels};
+use crate::line::hatching::Pixels;
+use crate::line::stroke_texture::BATCH;
 use crate::line::texture_coordinates::places::{MovingSurface, jacobian_at};
 use crate::line::texture_coordinates::{Jacobian, STILL, in_texture};
 use std::ops::Range;

@@ -9,7 +9,7 @@ use crate::params::{Params, Scale, ScalingParams, ShapeParams, Solver};
 use crate::plan::Goal;
 use crate::product::Product;
 use crate::scenes::frames::{masked, noise};
-use crate::scenes::{ExactScene, HEIGHT, Scene, Surface, WAVE, angle_deg, ball_trace};
+use crate::scenes::{ExactScene, Scene, Surface, angle_deg, ball_trace};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 fn described(frame: &Frame, shape: ShapeParams) -> Result<Outcome> {
@@ -160,7 +160,8 @@ fn waves(scale: Scale, solver: Solver, time: f64) -> Result<f64> {
         foreshortening: 1.0,
         ..ShapeParams::default()
     };
-    let peak = 2.0 * HEIGHT * WAVE * WAVE * (-2.0 * WAVE * WAVE * time).exp();
+    let (height, square) = (Scene::HEIGHT, Scene::WAVE.powi(2));
+    let peak = 2.0 * height * square * (-2.0 * square * time).exp();
     trace_error(&scene.frame, shape, peak, |x, y| {
         scene.exact_trace(x, y, time)
     })
@@ -324,14 +325,14 @@ fn height() -> Result<f64> {
     let outcome = Engine::cpu().run(&request, &frame, &Run::new())?;
     let plane = outcome.planes(Product::Height)[0];
     let exact = |x: usize, y: usize| {
-        let [x, y] = [x, y].map(|i| (WAVE * (i as f64 + 0.5)).cos());
-        HEIGHT * x * y
+        let [x, y] = [x, y].map(|i| (Scene::WAVE * (i as f64 + 0.5)).cos());
+        Scene::HEIGHT * x * y
     };
     // Normals tell a height but for a constant: of whole waves the mean is 0.
     let samples = plane.samples();
     let mean = samples.iter().map(|v| f64::from(*v)).sum::<f64>() / samples.len() as f64;
     Ok(worst(&frame, |x, y| {
-        Some((f64::from(plane.at(x, y)) - mean - exact(x, y)) / HEIGHT)
+        Some((f64::from(plane.at(x, y)) - mean - exact(x, y)) / Scene::HEIGHT)
     }))
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Frame, Plane, Projection, Window};
-use relievo::scenes::{Exact, ExactScene, Surface, surfaces::DISTANCE};
+use relievo::scenes::{Exact, ExactScene, Surface};
 use std::sync::OnceLock;
 
 pub(crate) const WIDTH: usize = 160;
@@ -62,7 +62,7 @@ impl Truth {
         let back = DVec3::new(0.55, -0.75, 0.42).normalize();
         let right = DVec3::Z.cross(back).normalize();
         let turn = DMat3::from_cols(right, back.cross(right), back).transpose();
-        let eye = DVec3::new(0.4, 0.2, 0.8) + DISTANCE * UNIT * back;
+        let eye = DVec3::new(0.4, 0.2, 0.8) + Surface::DISTANCE * UNIT * back;
         Self {
             seen,
             camera: DAffine3::from_mat3_translation(turn, -(turn * eye)),

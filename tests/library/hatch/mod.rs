@@ -8,7 +8,7 @@ mod strokes;
 
 use relievo::engine::{Drawing, Engine, Inputs, Run};
 use relievo::frame::{Frame, Plane};
-use relievo::line::hatching::{BATCH, Hatching, Pixels};
+use relievo::line::hatching::{Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale, Style};
 use relievo::plan::{Available, Goal, Plan, Tone};
@@ -31,10 +31,10 @@ fn hatched(
     let mut white = Plane::filled(width, height, 0.0);
     let mut pixels = Pixels::default();
     for y in 0..height {
-        for (batch, row) in white.row_mut(y).chunks_mut(BATCH).enumerate() {
+        for (batch, row) in white.row_mut(y).chunks_mut(Pixels::MOST).enumerate() {
             pixels.count = row.len();
             for i in 0..row.len() {
-                let x = batch * BATCH + i;
+                let x = batch * Pixels::MOST + i;
                 pixels.place[0][i] = x as f32 + 0.5;
                 pixels.place[1][i] = y as f32 + 0.5;
                 pixels.angle[i] = angle;

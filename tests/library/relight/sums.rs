@@ -7,7 +7,7 @@ use relievo::frame::Frame;
 use relievo::light::lights::PointLight;
 use relievo::params::{Adaptive, Material, Params, Tangent};
 use relievo::plan::Goal;
-use relievo::scenes::light_reference::{HORIZON, Pixel, Settings, reflected};
+use relievo::scenes::light_reference::{Pixel, Settings, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
 fn worst(
@@ -48,7 +48,7 @@ fn worst(
             let [diffuse, specular] = reflected(&pixel, light, &settings);
             let gains = (f64::from(m.diffuse_gain), f64::from(m.specular()));
             expected += intensity * (gains.0 * diffuse + gains.1 * specular);
-            on_horizon |= pixel.normal.dot(light).abs() < HORIZON;
+            on_horizon |= pixel.normal.dot(light).abs() < Pixel::HORIZON;
         }
         if !on_horizon {
             largest = largest.max(expected);

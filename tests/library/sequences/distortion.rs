@@ -1,7 +1,7 @@
 //! Motion that distorts the texture, and motion that is no motion at all.
 
 use super::*;
-use relievo::frame::AWAY;
+use relievo::frame::Vector2Planes;
 use relievo::line::texture_coordinates::{distortion, soundness};
 
 const SIDE: usize = 256;
@@ -121,7 +121,7 @@ fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
         // It comes from z' = z cos + x sin; surface behind the rim was not visible.
         match z * cos + x * sin > 0.0 {
             true => [x - (x * cos - z * sin), 0.0],
-            false => [f64::from(AWAY), 0.0],
+            false => [f64::from(Vector2Planes::AWAY), 0.0],
         }
     });
     let mut drawing = first(&frame, ruled(30.0));
@@ -192,7 +192,7 @@ fn motion_that_is_no_motion_gives_a_drawing_all_the_same() {
         f32::NAN,
         f32::INFINITY,
         f32::NEG_INFINITY,
-        AWAY,
+        Vector2Planes::AWAY,
         -1e30,
         1e-30,
         0.0,

@@ -1,8 +1,7 @@
 //! Any bytes as an HDR, TIFF, PNG or JPEG picture, wherever a picture is read: an error or a picture.
 
 use relievo::io::inputs::Inputs;
-use relievo::io::{Needs, load, read_environment, read_environment_as, read_lit_sphere, survey};
-use relievo::light::environment_layout::Layout;
+use relievo::io::{Needs, load, read_environment, read_lit_sphere, survey};
 
 /// Reads `data` as an environment, a lit sphere, and a picture with itself as its normal map.
 pub(super) fn run(data: &[u8]) {
@@ -10,7 +9,6 @@ pub(super) fn run(data: &[u8]) {
     let path = file.path();
     std::fs::write(path, data).expect("room for a file");
     let _ = read_environment(path);
-    let _ = read_environment_as(path, Layout::MirrorBall);
     let _ = read_lit_sphere(path);
     let inputs = Inputs {
         picture: path.into(),
