@@ -5,7 +5,7 @@
 //! time of each stage, with the bytes that an ideal pass would move in that time. Without a file, waves of that size,
 //! 1920x1080 by default.
 
-use relievo::engine::gpu::{Choice, Device};
+use relievo::engine::gpu::{AdapterKind, Device};
 use relievo::engine::{self, Engine, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         _ => return Err("give FRAME.exr, or WIDTH HEIGHT, or nothing".into()),
     };
-    let device = Device::open(Choice::Any)?;
+    let device = Device::open(AdapterKind::Any)?;
     let (width, height) = (frame.mask.width(), frame.mask.height());
     println!("{}, {width}x{height}", device.name());
     let engine = Engine::on(device);

@@ -7,7 +7,7 @@ use crate::engine::cpu::runner::RunFrame;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
 #[cfg(feature = "gpu")]
-use crate::engine::gpu::{Choice, Device};
+use crate::engine::gpu::{AdapterKind, Device};
 use crate::engine::inputs::Inputs;
 use crate::engine::part::FramePart;
 use crate::engine::request::Request;
@@ -44,9 +44,9 @@ enum OnDevice {
     /// None; with the reason, if one was looked for.
     No(Option<Error>),
     /// Chosen automatically: the CPU takes over if it fails.
-    Maybe(gpu::Runner),
+    Maybe(gpu::DeviceRunner),
     /// Asked for: its failure is an error.
-    Only(gpu::Runner),
+    Only(gpu::DeviceRunner),
 }
 
 impl Engine {
@@ -61,8 +61,8 @@ impl Engine {
         Self {
             cpu: cpu::Runner::default(),
             #[cfg(feature = "gpu")]
-            device: match Device::open(Choice::Hardware) {
-                Ok(device) => OnDevice::Maybe(gpu::Runner::new(device)),
+            device: match Device::open(AdapterKind::Hardware) {
+                Ok(device) => OnDevice::Maybe(gpu::DeviceRunner::new(device)),
                 Err(why) => OnDevice::No(Some(why)),
             },
         }
@@ -75,7 +75,7 @@ impl Engine {
     /// [`Error::NoGpu`] if there is none, and in a build without the feature `gpu`.
     #[cfg(feature = "gpu")]
     pub fn gpu() -> Result<Self> {
-        Device::open(Choice::Any).map(Self::on)
+        Device::open(AdapterKind::Any).map(Self::on)
     }
 
     /// As [`Engine::gpu`], with the given device.
@@ -83,7 +83,7 @@ impl Engine {
     pub fn on(device: Device) -> Self {
         Self {
             cpu: cpu::Runner::default(),
-            device: OnDevice::Only(gpu::Runner::new(device)),
+            device: OnDevice::Only(gpu::DeviceRunner::new(device)),
         }
     }
 
@@ -260,7 +260,7 @@ impl Engine {
             }
             OnDevice::No(None) => return Ok(None),
         };
-        if let Some(what) = gpu::Runner::lacks(plan) {
+        if let Some(what) = gpu::DeviceRunner::lacks(plan) {
             if is_required {
                 run.warning(&format!(
                     "the GPU has no kernels for {what}; the CPU does it"
@@ -395,7 +395,7 @@ impl Default for OnDevice {
 #[cfg(feature = "gpu")]
 fn say_left_to_cpu(plan: &Plan, run: &Run) {
     let is_kept = |stage: &&&Stage| stage.steps.iter().any(|step| plan.runs(step.name));
-    let left = gpu::Runner::left_to_cpu(plan);
+    let left = gpu::DeviceRunner::left_to_cpu(plan);
     let names: Vec<_> = left
         .iter()
         .filter(is_kept)
@@ -422,10 +422,10 @@ mod tests {
     use std::sync::Mutex;
 
     /// A lost device, for tests; `None` on machines without a device.
-    fn lost() -> Option<gpu::Runner> {
-        let device = gpu::to_test_on(Device::open(Choice::Any))?;
+    fn lost() -> Option<gpu::DeviceRunner> {
+        let device = gpu::to_test_on(Device::open(AdapterKind::Any))?;
         device.lose();
-        Some(gpu::Runner::new(device))
+        Some(gpu::DeviceRunner::new(device))
     }
 
     fn engine(device: OnDevice) -> Engine {
@@ -468,7 +468,7 @@ mod tests {
 
     #[test]
     fn what_the_cpu_does_for_a_device_is_said_in_a_line() {
-        let open = || gpu::to_test_on(Device::open(Choice::Any));
+        let open = || gpu::to_test_on(Device::open(AdapterKind::Any));
         let (Some(whole), Some(small)) = (open(), open()) else {
             return;
         };
@@ -536,7 +536,7 @@ mod tests {
     /// matches an uncancelled one.
     #[test]
     fn a_run_on_a_device_ends_at_the_stage_at_which_it_is_cancelled() {
-        let Some(device) = gpu::to_test_on(Device::open(Choice::Any)) else {
+        let Some(device) = gpu::to_test_on(Device::open(AdapterKind::Any)) else {
             return;
         };
         let (plan, frame) = waves();

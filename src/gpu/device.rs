@@ -10,7 +10,7 @@ static LOADED_BY: OnceLock<u32> = OnceLock::new();
 
 /// Which adapters are acceptable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Choice {
+pub enum AdapterKind {
     /// Any; software if there is no hardware.
     Any,
     /// Hardware only: software is no faster than the CPU backend.
@@ -42,12 +42,12 @@ impl Device {
     /// # Errors
     /// [`Error::NoGpu`] if none matches the choice, or it lacks features that the kernels need; and in a process that was
     /// forked off one that has looked for a device.
-    pub fn open(choice: Choice) -> Result<Self> {
+    pub fn open(choice: AdapterKind) -> Result<Self> {
         pollster::block_on(Self::opened(choice, |_| ()))
     }
 
     /// Opens the same adapter with changed limits.
-    pub(crate) async fn opened(choice: Choice, change: fn(&mut wgpu::Limits)) -> Result<Self> {
+    pub(crate) async fn opened(choice: AdapterKind, change: fn(&mut wgpu::Limits)) -> Result<Self> {
         let this = std::process::id();
         if *LOADED_BY.get_or_init(|| this) != this {
             return Err(Error::NoGpu {
@@ -65,10 +65,10 @@ impl Device {
         adapters.retain(|adapter| {
             let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
             match choice {
-                Choice::Any => true,
-                Choice::Hardware => !is_software,
+                AdapterKind::Any => true,
+                AdapterKind::Hardware => !is_software,
                 #[cfg(test)]
-                Choice::Software => is_software,
+                AdapterKind::Software => is_software,
             }
         });
         adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
@@ -193,10 +193,10 @@ fn rank(info: &wgpu::AdapterInfo) -> u32 {
     }
 }
 
-fn none(choice: Choice) -> Error {
+fn none(choice: AdapterKind) -> Error {
     Error::NoGpu {
         found: match choice {
-            Choice::Hardware => "no adapter in hardware was found".into(),
+            AdapterKind::Hardware => "no adapter in hardware was found".into(),
             _ => "no adapter was found".into(),
         },
         remedy: "install a driver (Debian: libvulkan1 and mesa-vulkan-drivers, or the vendor's), or use --backend cpu",

@@ -2,7 +2,7 @@
 
 use super::from_depth::{OfDepth, SurfaceSeen, check_heights};
 use super::given::Given;
-use super::scene::Scene;
+use super::scene::LoadedScene;
 use super::work::Work;
 use crate::error::{Result, bad};
 use crate::frame::{
@@ -19,7 +19,7 @@ impl Given<'_> {
     /// # Errors
     /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Unsupported`](crate::Error::Unsupported) for a camera that cannot be
     /// used; [`Arguments`](crate::Error::Arguments) for settings that name layers, which arrays have none of.
-    pub fn scene(mut self, work: &Work) -> Result<Scene> {
+    pub fn scene(mut self, work: &Work) -> Result<LoadedScene> {
         work.refuse_names()?;
         let inputs = work.inputs();
         check_heights(&self, inputs.depth_kind)?;
@@ -71,10 +71,10 @@ impl Given<'_> {
         let mut frame = builder.build()?;
         // No filter has shortened normals of depth.
         frame.normal_length = frame.normal_length.filter(|_| is_stored);
-        Ok(Scene {
+        Ok(LoadedScene {
             warnings,
             mask: strength_of(mask, object),
-            ..Scene::of_frame(frame)
+            ..LoadedScene::of_frame(frame)
         })
     }
 }

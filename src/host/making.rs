@@ -1,7 +1,7 @@
 //! What a command makes of a scene.
 
 use super::made::Made;
-use super::scene::{File, Scene};
+use super::scene::{File, LoadedScene};
 use super::work::Work;
 use crate::command::chosen::Chosen;
 use crate::engine::{Engine, Run};
@@ -18,21 +18,21 @@ impl Work {
     ///
     /// # Errors
     /// As [`crate::io::load`].
-    pub fn load(&self, file: &File, held: Option<Arc<Scene>>) -> Result<Arc<Scene>> {
+    pub fn load(&self, file: &File, held: Option<Arc<LoadedScene>>) -> Result<Arc<LoadedScene>> {
         let command = self.task.command.of_frame(file.number);
         let source = FrameSource::of(command.work(), &self.light, file.number.is_some())?;
         if let Some(held) = held.filter(|held| held.source.as_ref() == Some(&source)) {
             return Ok(held);
         }
         let (loaded, specular) = source.load(command.work())?;
-        Ok(Arc::new(Scene {
+        Ok(Arc::new(LoadedScene {
             specular,
             chosen: Chosen::in_loading(&loaded),
             primaries: loaded.chromaticities,
             findings: loaded.findings,
             warnings: loaded.warnings,
             source: Some(source),
-            ..Scene::of_frame(loaded.frame)
+            ..LoadedScene::of_frame(loaded.frame)
         }))
     }
 
@@ -41,7 +41,7 @@ impl Work {
     /// # Errors
     /// As [`Engine::run`]; [`Error::BadParameter`] for settings that the frame does not allow;
     /// [`Error::Arguments`](crate::Error::Arguments) for settings that name layers, which scenes of arrays have none of.
-    pub fn run(&self, engine: &Engine, scene: &Scene, run: &Run) -> Result<Made> {
+    pub fn run(&self, engine: &Engine, scene: &LoadedScene, run: &Run) -> Result<Made> {
         if scene.source.is_none() {
             self.refuse_names()?;
         }
@@ -60,7 +60,7 @@ impl Work {
         })
     }
 
-    fn making<'a>(&'a self, scene: &'a Scene, frame: &'a Frame) -> Making<'a> {
+    fn making<'a>(&'a self, scene: &'a LoadedScene, frame: &'a Frame) -> Making<'a> {
         Making {
             work: self.work(),
             light: &self.light,
@@ -72,7 +72,11 @@ impl Work {
 
     /// A picture or a drawing as a PNG of 8 bits would hold it: columns and rows, and red, green, blue and alpha, not
     /// premultiplied; `None` for other commands. An exposure that is chosen for it is one of the choices from then on.
-    pub fn shown(&self, scene: &Scene, made: &mut Made) -> Option<([usize; 2], Vec<[u8; 4]>)> {
+    pub fn shown(
+        &self,
+        scene: &LoadedScene,
+        made: &mut Made,
+    ) -> Option<([usize; 2], Vec<[u8; 4]>)> {
         let making = self.making(scene, &scene.frame);
         let (shown, exposure) = making.shown(&made.made, scene.primaries)?;
         let picture = shown.picture();
@@ -84,7 +88,7 @@ impl Work {
 
     /// The frame of a scene of arrays, with its mask and its borders as the command has them; `None` where it is as it
     /// is, as all frames of files are.
-    fn fitted(&self, scene: &Scene) -> Result<Option<Frame>> {
+    fn fitted(&self, scene: &LoadedScene) -> Result<Option<Frame>> {
         if scene.source.is_some() {
             return Ok(None);
         }

@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use relievo::engine::{Engine, Run};
-//! use relievo::host::{Given, Scene, Work};
+//! use relievo::host::{Given, LoadedScene, Work};
 //!
 //! # fn main() -> relievo::Result<()> {
 //! let normals = [[0.6_f32, 0.0, 0.8]; 64].concat();
@@ -38,7 +38,7 @@ pub use crate::command::setting::{Setting, SettingKind, settings_of};
 pub use fault::without_fault;
 pub use given::Given;
 pub use made::{Made, MadeLayer};
-pub use scene::{File, Scene};
+pub use scene::{File, LoadedScene};
 pub use sequence::{chosen_for_all, frames_of};
 pub use thumbnail::thumbnail;
 pub use work::Work;

@@ -18,7 +18,7 @@ pub struct File {
 
 /// A frame, with what else a command has read.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct LoadedScene {
     /// The frame.
     pub frame: Frame,
     /// Conclusions about the inputs.
@@ -36,7 +36,7 @@ pub struct Scene {
     pub(super) source: Option<FrameSource>,
 }
 
-impl Scene {
+impl LoadedScene {
     /// A scene of nothing but a frame.
     pub(super) fn of_frame(frame: Frame) -> Self {
         Self {

@@ -29,7 +29,7 @@ pub(crate) struct Axis {
 /// The pixels of a batch.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-pub(crate) struct Pixels {
+pub(crate) struct LitPixels {
     /// Unit normals.
     pub normal: Axis,
     /// Unit directions to the eye; along z unless set otherwise.
@@ -50,7 +50,7 @@ pub(crate) struct Pixels {
     pub spread: Lanes,
     /// Hessian of the height: xx, xy, yy; convex is negative.
     pub hessian: Vectors,
-    /// Scaling curves, indexed by [`Pixels::curve_of`].
+    /// Scaling curves, indexed by [`LitPixels::curve_of`].
     pub curves: [CurveLanes; 3],
     /// Index of the curve of ambient, diffuse and specular light: terms of equal magnitude share one.
     pub curve_of: [usize; 3],
@@ -63,7 +63,7 @@ pub(crate) struct Pixels {
 /// Squared length below which the grain is along the normal, and gives no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
 
-/// The curve among [`Pixels::curves`] that scales a term.
+/// The curve among [`LitPixels::curves`] that scales a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Term {
     Ambient,
@@ -246,7 +246,7 @@ impl Axis {
     }
 }
 
-impl Pixels {
+impl LitPixels {
     /// No pixels.
     pub(crate) fn new() -> Self {
         Self {
@@ -340,7 +340,7 @@ impl Pixels {
     }
 }
 
-impl Default for Pixels {
+impl Default for LitPixels {
     fn default() -> Self {
         Self::new()
     }

@@ -12,7 +12,7 @@ use crate::light::light_samples::uniform_directions;
 use crate::light::lights::{DirectionalLight, Illumination, LightChoice, brightened};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
-use crate::light::relight::pilot::{Base, Sampled, StandIn, chosen};
+use crate::light::relight::pilot::{Base, SampledLights, StandIn, chosen};
 use crate::light::relight::setting::{EnvironmentUse, Relighting};
 use crate::params::{Adaptive, Material, MaterialParams};
 use glam::Vec3;
@@ -57,7 +57,7 @@ pub(crate) enum Used {
         specular: Option<Map>,
     },
     Mirrored(Map),
-    Sampled(Sampled),
+    Sampled(SampledLights),
     /// Lit spheres, and the intensity of their light.
     LitSpheres(Intensity),
 }
@@ -230,7 +230,7 @@ impl<'a> Illuminants<'a> {
     }
 
     /// What stands for the environment on a glossy surface, if it was chosen by its error.
-    pub(crate) fn sampled(&self) -> Option<&Sampled> {
+    pub(crate) fn sampled(&self) -> Option<&SampledLights> {
         match &self.ready.used {
             Used::Sampled(sampled) => Some(sampled),
             _ => None,
@@ -257,7 +257,7 @@ impl<'a> Illuminants<'a> {
             Used::Prefiltered { .. }
                 | Used::Mirrored(_)
                 | Used::LitSpheres(_)
-                | Used::Sampled(Sampled {
+                | Used::Sampled(SampledLights {
                     base: Base::Map(_),
                     ..
                 })

@@ -5,7 +5,7 @@ use crate::common::cpu;
 use crate::common::{in_8_bits, poisoned};
 use glam::{DMat3, DVec3};
 use relievo::engine::Inputs;
-use relievo::engine::gpu::Runner;
+use relievo::engine::gpu::DeviceRunner;
 use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
@@ -14,7 +14,7 @@ use relievo::scenes::{ExactScene, Surface};
 
 /// Asserts that both backends find the same directions in a frame.
 #[track_caller]
-fn assert_same_directions(name: &str, runner: &Runner, frame: &Frame) {
+fn assert_same_directions(name: &str, runner: &DeviceRunner, frame: &Frame) {
     for step in [Adaptive::Auto, Adaptive::Fixed(3.0)] {
         let shape = ShapeParams {
             scale: Scale::Iterations(0),

@@ -5,7 +5,7 @@ use super::{assert_alike, on_gpu, waves, with_color};
 use crate::common::cpu;
 use crate::common::poisoned;
 use glam::DVec3;
-use relievo::engine::gpu::Runner;
+use relievo::engine::gpu::DeviceRunner;
 use relievo::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
@@ -29,7 +29,7 @@ pub(super) fn pen() -> LineParams {
 #[track_caller]
 pub(super) fn assert_drawn(
     name: &str,
-    runner: &Runner,
+    runner: &DeviceRunner,
     frame: &Frame,
     line: LineParams,
     tone: Tone,
@@ -413,7 +413,7 @@ fn what_has_no_kernels_is_named() {
             Some("a grain along the curvature"),
         ),
     ] {
-        let lacks = Runner::lacks(&plan);
+        let lacks = DeviceRunner::lacks(&plan);
         assert_eq!(lacks.is_some(), expected.is_some(), "{lacks:?}");
         assert!(lacks.is_none_or(|what| what.contains(expected.unwrap())));
     }

@@ -14,7 +14,7 @@ mod products;
 mod relight;
 
 use crate::common::cpu;
-use relievo::engine::gpu::{self, Choice, Device};
+use relievo::engine::gpu::{self, AdapterKind, Device};
 use relievo::engine::{Inputs, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
@@ -24,12 +24,12 @@ use relievo::scenes::{ExactScene, Surface};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Runs a test on the shared device, one at a time; without a device prints a notice once.
-fn on_gpu(test: impl FnOnce(&gpu::Runner)) {
-    static RUNNER: OnceLock<Option<Mutex<gpu::Runner>>> = OnceLock::new();
-    let runner = RUNNER.get_or_init(|| match Device::open(Choice::Any) {
+fn on_gpu(test: impl FnOnce(&gpu::DeviceRunner)) {
+    static RUNNER: OnceLock<Option<Mutex<gpu::DeviceRunner>>> = OnceLock::new();
+    let runner = RUNNER.get_or_init(|| match Device::open(AdapterKind::Any) {
         Ok(device) => {
             println!("on {}", device.name());
-            Some(Mutex::new(gpu::Runner::new(device)))
+            Some(Mutex::new(gpu::DeviceRunner::new(device)))
         }
         Err(error) => {
             // Fails on a machine that requires a device.
@@ -49,7 +49,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 
 /// Asserts that both backends give the same result for a frame, and prints their difference.
 #[track_caller]
-fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
+fn assert_same(name: &str, runner: &gpu::DeviceRunner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame).unwrap();
     let found = runner.execute(plan, frame, Inputs::default()).unwrap();
     let layers = plan.wants(Product::MappedCurvature);

@@ -5,7 +5,7 @@ use crate::watched::detached;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use relievo::frame::Plane;
-use relievo::host::{File, Given, Scene, Work};
+use relievo::host::{File, Given, LoadedScene, Work};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -22,11 +22,11 @@ pub(crate) struct Frame {
 }
 
 enum Kind {
-    Arrays(Arc<Scene>),
+    Arrays(Arc<LoadedScene>),
     File {
         file: File,
         /// What was read of it last.
-        held: Mutex<Option<Arc<Scene>>>,
+        held: Mutex<Option<Arc<LoadedScene>>>,
     },
 }
 
@@ -193,7 +193,7 @@ impl Frame {
     }
 
     /// The scene, read as far as `work` needs it.
-    pub(crate) fn scene(&self, work: &Work) -> relievo::Result<Arc<Scene>> {
+    pub(crate) fn scene(&self, work: &Work) -> relievo::Result<Arc<LoadedScene>> {
         match &self.kind {
             Kind::Arrays(scene) => Ok(scene.clone()),
             Kind::File { file, held } => {
@@ -209,7 +209,7 @@ impl Frame {
     }
 
     /// The scene as the command line would describe it: with everything that there is.
-    fn read(&self, py: Python<'_>) -> PyResult<Arc<Scene>> {
+    fn read(&self, py: Python<'_>) -> PyResult<Arc<LoadedScene>> {
         detached(py, || self.scene(&self.work("relight", &Settings::new())?))
     }
 }

@@ -1,11 +1,11 @@
 //! Tests: devices that are lost, have too little memory, or absurd limits.
 
 use crate::engine::cpu;
-use crate::engine::gpu::runner::Runner;
+use crate::engine::gpu::runner::DeviceRunner;
 use crate::engine::inputs::Inputs;
 use crate::error::Error;
 use crate::frame::Frame;
-use crate::gpu::device::{Choice, Device, to_test_on};
+use crate::gpu::device::{AdapterKind, Device, to_test_on};
 use crate::gpu::fault::{RunFault, watched};
 use crate::gpu::limits;
 use crate::params::{Scale, ScalingParams, ShapeParams};
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// The device of this machine, if any, with changed limits.
 fn device(change: fn(&mut wgpu::Limits)) -> Option<Device> {
-    to_test_on(pollster::block_on(Device::opened(Choice::Any, change)))
+    to_test_on(pollster::block_on(Device::opened(AdapterKind::Any, change)))
 }
 
 fn waves(width: usize, height: usize) -> (Plan, Frame) {
@@ -45,7 +45,7 @@ fn assert_is_of_the_cpu(found: &Outcome, plan: &Plan, frame: &Frame) {
 
 /// Asserts that an error is one line naming the failure, the device and the remedy.
 #[track_caller]
-fn assert_tells(error: &Error, runner: &Runner, what: &str) {
+fn assert_tells(error: &Error, runner: &DeviceRunner, what: &str) {
     let line = error.to_string();
     assert!(matches!(error, Error::Gpu { .. }), "{line}");
     assert!(line.starts_with(&runner.device().name()), "{line}");
@@ -59,7 +59,7 @@ fn assert_tells(error: &Error, runner: &Runner, what: &str) {
 #[test]
 fn after_a_loss_every_run_is_an_error_at_once() {
     let Some(device) = device(|_| ()) else { return };
-    let runner = Runner::new(device);
+    let runner = DeviceRunner::new(device);
     let (plan, frame) = waves(90, 70);
     assert_is_of_the_cpu(
         &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
@@ -83,7 +83,7 @@ fn a_loss_in_the_middle_of_a_run_ends_it() {
     let (plan, frame) = waves(300, 200);
     for delay_ms in [0, 1, 3, 10, 30, 60] {
         let Some(device) = device(|_| ()) else { return };
-        let runner = Runner::new(device);
+        let runner = DeviceRunner::new(device);
         let runs = thread::scope(|scope| {
             let runner = &runner;
             scope.spawn(move || {
@@ -120,7 +120,7 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
     };
     // Pretends that the device reported no limit.
     device.plane_bytes = u64::MAX;
-    let runner = Runner::new(device);
+    let runner = DeviceRunner::new(device);
     let (large_plan, large) = waves(200, 100);
     let (plan, frame) = waves(60, 50);
     for _ in 0..2 {
@@ -141,7 +141,7 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
 #[test]
 fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
     let Some(device) = device(|_| ()) else { return };
-    let runner = Runner::new(device);
+    let runner = DeviceRunner::new(device);
     let (plan, frame) = waves(64, 50);
     let device = runner.device();
     let size = device.device.limits().max_buffer_size;
@@ -174,7 +174,7 @@ fn pictures_beyond_the_limits_are_refused() {
     let few = |limits: &mut wgpu::Limits| limits.max_compute_workgroups_per_dimension = 1024;
     let Some(device) = device(few) else { return };
     let [columns, rows] = limits::most_pixels(1024).map(|most| most as usize);
-    let runner = Runner::new(device.limited_to(8 * 2 * columns as u64));
+    let runner = DeviceRunner::new(device.limited_to(8 * 2 * columns as u64));
     for [width, height] in [[3, rows], [columns, 2]] {
         let (plan, frame) = waves(width, height);
         let made = runner.execute(&plan, &frame, Inputs::default());
@@ -192,7 +192,7 @@ fn pictures_beyond_the_limits_are_refused() {
 fn a_device_that_lacks_what_kernels_take_is_not_opened() {
     let weak = |limits: &mut wgpu::Limits| limits.max_compute_workgroup_storage_size = 1024;
     // A rejected device is not opened either.
-    let opened = Device::opened(Choice::Any, weak);
+    let opened = Device::opened(AdapterKind::Any, weak);
     let error = pollster::block_on(opened).unwrap_err();
     let line = error.to_string();
     let is_none = line.contains("no adapter");

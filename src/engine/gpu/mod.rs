@@ -13,7 +13,7 @@ pub(crate) mod runner;
 #[cfg(test)]
 mod twins;
 
-pub use crate::engine::gpu::runner::Runner;
+pub use crate::engine::gpu::runner::DeviceRunner;
 #[cfg(test)]
 pub(crate) use crate::gpu::device::to_test_on;
-pub use crate::gpu::device::{Choice, Device};
+pub use crate::gpu::device::{AdapterKind, Device};

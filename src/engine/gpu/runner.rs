@@ -42,7 +42,7 @@ pub(crate) struct DeviceInputs<'a> {
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
 #[derive(Debug)]
-pub struct Runner {
+pub struct DeviceRunner {
     pub(crate) device: Device,
     pub(crate) programs: Programs,
     pub(crate) buffers: Buffers,
@@ -53,7 +53,7 @@ pub struct Runner {
     light: LightCache,
 }
 
-impl Runner {
+impl DeviceRunner {
     /// A runner on this device.
     pub fn new(device: Device) -> Self {
         Self {
@@ -91,16 +91,16 @@ impl Runner {
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device is lost, or too small for the frame or for its environment; [`Error::Unfit`] if the
-    /// plan was made for other inputs, or [`Runner::lacks`] something.
+    /// plan was made for other inputs, or [`DeviceRunner::lacks`] something.
     pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
         let done = self.attempt(plan, frame, inputs, Watch::default());
         done.map_err(RunFault::into_error)
     }
 
-    /// [`Runner::execute`] that can be cancelled before each stage.
+    /// [`DeviceRunner::execute`] that can be cancelled before each stage.
     ///
     /// # Errors
-    /// [`RunFault::TooLarge`] if the device cannot hold the frame; [`RunFault::Other`] as [`Runner::execute`], and
+    /// [`RunFault::TooLarge`] if the device cannot hold the frame; [`RunFault::Other`] as [`DeviceRunner::execute`], and
     /// [`Error::Cancelled`].
     pub(crate) fn attempt(
         &self,

@@ -2,7 +2,7 @@
 
 use crate::frame::{ColorPlanes, DepthKind, Plane};
 use crate::light::alignment::{Detail, SIGMAS_PX};
-use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
+use crate::light::batch::{BATCH, Lanes, LitPixels, Vectors};
 use crate::light::relight::curvature::{CurvatureRow, CurvedBy};
 use crate::light::relight::scene::LitScene;
 use crate::light::shadows::cast::WHOLE;
@@ -40,7 +40,7 @@ pub(crate) struct GlossLanes {
 /// A batch in progress.
 #[repr(C, align(64))]
 pub(crate) struct Batch {
-    pub(crate) pixels: Pixels,
+    pub(crate) pixels: LitPixels,
     pub(crate) sum: LightSum,
     /// Trace of the Hessian.
     pub(crate) trace: Lanes,
@@ -86,7 +86,7 @@ impl Batch {
     pub(crate) fn new() -> Self {
         Self {
             pieces: Vec::new(),
-            pixels: Pixels::new(),
+            pixels: LitPixels::new(),
             sum: LightSum::new(),
             trace: ZERO,
             kappa: ZERO,

@@ -8,7 +8,7 @@
 use crate::frame::luminance;
 use crate::kernel::quantile::quantile;
 use crate::kernel::simd::wide;
-use crate::light::batch::{BATCH, Lanes, Pixels};
+use crate::light::batch::{BATCH, Lanes, LitPixels};
 use crate::light::brdf::mirrored;
 use crate::light::cosines::{at_most_1, positive};
 use crate::light::environment::Environment;
@@ -53,12 +53,12 @@ const ALBEDO: f32 = 0.5;
 /// What stands for an environment.
 pub(crate) enum StandIn {
     Lights(Vec<DirectionalLight>),
-    Sampled(Sampled),
+    Sampled(SampledLights),
 }
 
 /// What stands for an environment on a glossy surface.
 #[derive(Debug)]
-pub(crate) struct Sampled {
+pub(crate) struct SampledLights {
     /// What is bright, for highlights alone.
     pub(crate) lights: Vec<DirectionalLight>,
     /// The rest, for highlights alone.
@@ -151,7 +151,7 @@ pub(crate) fn chosen(
         samples: samples.count(),
         levels,
     };
-    let sampled = Sampled {
+    let sampled = SampledLights {
         lights: lights.clone(),
         base,
         samples,
@@ -199,7 +199,7 @@ fn split(environment: &Environment, weights: [f32; 3]) -> [Environment; 2] {
 
 /// A ball in the light of every texel, and the diffuse light of what stands for it.
 struct Pilot {
-    pixels: Box<Pixels>,
+    pixels: Box<LitPixels>,
     sum: Box<LightSum>,
     shading: Shading,
     material: MaterialParams,
@@ -211,7 +211,7 @@ struct Pilot {
 impl Pilot {
     fn new(map: &Environment, material: &MaterialParams, warp: f32, gain: f32) -> Self {
         let lobes = Lobes::of(material, true).expect("mirrors have no lights");
-        let mut pixels = Box::new(Pixels::new());
+        let mut pixels = Box::new(LitPixels::new());
         let stride = ball().count() / BATCH;
         for (i, n) in ball().step_by(stride).take(BATCH).enumerate() {
             pixels.normal.set(i, n);
@@ -320,7 +320,7 @@ impl Pilot {
 #[inline(always)]
 fn light_ball(
     fma: bool,
-    pixels: &Pixels,
+    pixels: &LitPixels,
     sum: &mut LightSum,
     shading: &Shading,
     lights: &[Directed],

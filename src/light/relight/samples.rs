@@ -7,7 +7,7 @@
 //! own, so neighbours err alike and nothing is grainy; maps are a step finer than that, not one coarser, which halves the
 //! error of the few samples used here; and what is far brighter than the mean is left to lights, see [`super::pilot`].
 
-use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors};
+use crate::light::batch::{BATCH, Lanes, LitPixels, Term, Vectors};
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp};
 use crate::light::octahedral::OctahedralMaps;
@@ -120,7 +120,7 @@ impl FilteredSamples {
     #[inline(always)]
     pub(crate) fn add(
         &self,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         sum: &mut LightSum,
         shading: &Shading,
         horizons: Option<&HorizonLanes>,
@@ -198,7 +198,7 @@ impl SampleScratch {
     };
 
     #[inline(always)]
-    fn find_warp(&mut self, pixels: &Pixels) {
+    fn find_warp(&mut self, pixels: &LitPixels) {
         let ([xx, xy, yy], [to_xx, to_xy, to_yy, determinant]) = (&pixels.unwarp, &mut self.warp);
         for i in 0..BATCH {
             let inverse = Warp {
@@ -214,7 +214,7 @@ impl SampleScratch {
 
     /// Directions, cosines and solid angles of a sample.
     #[inline(always)]
-    fn aim<const IS_HALF: bool>(&mut self, sample: &LobeSample, pixels: &Pixels) {
+    fn aim<const IS_HALF: bool>(&mut self, sample: &LobeSample, pixels: &LitPixels) {
         let [toward_x, toward_y, toward_z] = &mut self.toward;
         let [x, y, z] = sample.direction;
         for i in 0..BATCH {
@@ -245,7 +245,7 @@ impl SampleScratch {
 
     /// Bends the directions, with cosines limited by [`MOST_BRIGHTENED`]; solid angles change as a bend gathers them.
     #[inline(always)]
-    fn bend(&mut self, pixels: &Pixels) {
+    fn bend(&mut self, pixels: &LitPixels) {
         let ([x, y, z], [xx, xy, yy, determinant]) = (&mut self.toward, &self.warp);
         for i in 0..BATCH {
             // The half vector of light and z, of the length that makes it cheap.
@@ -266,7 +266,7 @@ impl SampleScratch {
 
     /// The shares of their radiance that samples add, but for what they have in common.
     #[inline(always)]
-    fn weigh(&mut self, at: usize, pixels: &Pixels, lobes: &Lobes) {
+    fn weigh(&mut self, at: usize, pixels: &LitPixels, lobes: &Lobes) {
         let (share, cosine, slant) = (&mut self.share[at], &self.cosine, &self.slant);
         match lobes {
             Lobes::AshikhminShirley(coat) => {

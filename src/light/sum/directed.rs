@@ -8,7 +8,7 @@ use super::lobes::{Lobes, Shading};
 use super::terms::{HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe};
 use super::{GROUP, LightSums};
 use crate::kernel::lanes::multiply_add;
-use crate::light::batch::{BATCH, Pixels};
+use crate::light::batch::{BATCH, LitPixels};
 use crate::light::cosines::{positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, half_vector};
 use crate::light::lights::DirectionalLight;
@@ -98,7 +98,7 @@ impl GroupLobes {
         fma: bool,
         sums: &mut LightSums,
         terms: &mut [Terms; GROUP],
-        pixels: &Pixels,
+        pixels: &LitPixels,
         (lights, everywhere): (&[Directed; GROUP], bool),
     ) {
         match self.highlight {
@@ -122,7 +122,7 @@ impl GroupLobes {
         self,
         fma: bool,
         terms: &mut [Terms; GROUP],
-        pixels: &Pixels,
+        pixels: &LitPixels,
         (lights, everywhere): (&[Directed; GROUP], bool),
     ) {
         match (self.warped, everywhere) {
@@ -191,7 +191,7 @@ impl GroupLobes {
 fn unwarp<const GLOSSY: bool>(
     fma: bool,
     terms: &mut [Terms; GROUP],
-    pixels: &Pixels,
+    pixels: &LitPixels,
     lights: &[Directed; GROUP],
     most: impl Fn([f32; 3], &Directed) -> f32,
 ) {
@@ -231,8 +231,8 @@ mod tests {
     use glam::Vec3;
 
     /// Normals all over the visible half sphere, and curvatures of both signs.
-    fn pixels() -> Pixels {
-        let mut pixels = Pixels::new();
+    fn pixels() -> LitPixels {
+        let mut pixels = LitPixels::new();
         pixels.count = BATCH;
         for i in 0..BATCH {
             let (angle, tilt) = (2.4 * i as f32, i as f32 / BATCH as f32);
@@ -331,7 +331,7 @@ mod tests {
     fn a_light_behind_lights_what_faces_it() {
         // Its half vector is in the picture plane, where z is 0. A surface seen from behind, turned by a from it, shows
         // the cosine of a.
-        let mut pixels = Pixels::new();
+        let mut pixels = LitPixels::new();
         pixels.count = BATCH;
         let angle = |i: usize| 1.5 * i as f32 / BATCH as f32;
         for i in 0..BATCH {

@@ -3,7 +3,7 @@
 use super::exponent::Exponent;
 use super::scaled::Scaled;
 use super::terms::{Arriving, TermInputs, Terms};
-use crate::light::batch::{BATCH, Lanes, Pixels};
+use crate::light::batch::{BATCH, Lanes, LitPixels};
 use crate::light::brdf::{AshikhminShirley, BASE_SCALE, GRAZING, passed};
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::params::{Material, MaterialParams};
@@ -95,7 +95,7 @@ impl Lobes {
 
     /// The share of diffuse light, prefiltered as the base's, that the surface shows.
     #[inline(always)]
-    pub(crate) fn base_share(&self, pixels: &Pixels) -> Lanes {
+    pub(crate) fn base_share(&self, pixels: &LitPixels) -> Lanes {
         match self {
             Self::AshikhminShirley(_) => pixels.coat.base.map(|leaving| leaving / BASE_SCALE),
             _ => [1.0; BATCH],
@@ -104,7 +104,7 @@ impl Lobes {
 
     /// Computes the images under the inverse warps of the vectors that these lobes use beside the normal.
     #[inline(always)]
-    pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
+    pub(crate) fn unwarp_axes(&self, pixels: &mut LitPixels) {
         let unwarp = &pixels.unwarp;
         match self {
             Self::Diffuse { .. } | Self::Base | Self::BlinnPhong { far: true, .. } => {}
@@ -120,7 +120,7 @@ impl Lobes {
 
     /// Computes what these lobes show toward the eye of every pixel, if that takes more than directions.
     #[inline(always)]
-    pub(crate) fn see(&self, pixels: &mut Pixels) {
+    pub(crate) fn see(&self, pixels: &mut LitPixels) {
         let Self::AshikhminShirley(brdf) = self else {
             return;
         };
@@ -187,7 +187,7 @@ impl TermInputs {
     pub(super) fn reflect<D, H, S>(
         &mut self,
         terms: &mut Terms,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         shading: &Shading,
         light: Arriving<D, H, S>,
     ) where

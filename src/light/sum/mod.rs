@@ -20,7 +20,7 @@ pub(crate) use directed::Directed;
 pub(crate) use lobes::Shading;
 pub(crate) use scaled::{Scaled, TowardLight};
 
-use super::batch::{Above, BATCH, Lanes, Pixels};
+use super::batch::{Above, BATCH, Lanes, LitPixels};
 use super::light_warping::half_vector;
 use terms::{Arriving, TermInputs, Terms};
 
@@ -108,7 +108,7 @@ impl LightSum {
     pub(crate) fn add_directed(
         &mut self,
         fma: bool,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         shading: &Shading,
         lights: &[Directed],
     ) {
@@ -140,7 +140,7 @@ impl LightSum {
 
     /// Adds the first lights of the group, as many as `above` has entries.
     #[inline(always)]
-    fn add_group(&mut self, fma: bool, pixels: &Pixels, shading: &Shading, above: &[Above]) {
+    fn add_group(&mut self, fma: bool, pixels: &LitPixels, shading: &Shading, above: &[Above]) {
         let Self {
             sums,
             group,
@@ -179,7 +179,7 @@ impl LightSum {
     #[inline(always)]
     pub(crate) fn add_looked_up(
         &mut self,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         shading: &Shading,
         direction: [f32; 3],
         rgb: &[Lanes; 3],
@@ -206,7 +206,7 @@ impl LightSum {
     #[inline(always)]
     pub(crate) fn add_near(
         &mut self,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         shading: &Shading,
         (directions, share): (&[Lanes; 3], &Lanes),
         rgb: [f32; 3],
@@ -236,7 +236,7 @@ impl LightSum {
 
     /// Completes the sums.
     #[inline(always)]
-    pub(crate) fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
+    pub(crate) fn finish(&mut self, pixels: &LitPixels, shading: &Shading) {
         if shading.warped {
             let LightSums { diffuse, specular } = &mut self.sums;
             for sum in diffuse.iter_mut().chain(specular) {

@@ -3,7 +3,7 @@
 use super::scaled::{Scaled, TowardLight};
 use crate::kernel::fast_math::exp_to_normal;
 use crate::kernel::lanes::multiply_add;
-use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
+use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, LitPixels};
 use crate::light::brdf::{
     AshikhminShirley, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, share_seen,
 };
@@ -164,7 +164,7 @@ pub(crate) fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f3
 /// Calls `each` for every lane with the unwarped light there.
 #[inline(always)]
 fn each_unwarped<D, H, S>(
-    pixels: &Pixels,
+    pixels: &LitPixels,
     light: Arriving<D, H, S>,
     each: impl FnMut(usize, Unwarped),
 ) where
@@ -183,7 +183,7 @@ fn each_unwarped<D, H, S>(
 /// [`each_unwarped`], where `most` bounds the cosine, given a normal and the unwarped direction.
 #[inline(always)]
 fn each_below<D, H, S>(
-    pixels: &Pixels,
+    pixels: &LitPixels,
     light: Arriving<D, H, S>,
     most: impl Fn([f32; 3], [f32; 3]) -> f32,
     mut each: impl FnMut(usize, Unwarped),
@@ -219,7 +219,7 @@ impl TermInputs {
 
     /// Weights and cosines of a light as given, without warping.
     #[inline(always)]
-    pub(super) fn arrive<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    pub(super) fn arrive<D, H, S>(&mut self, pixels: &LitPixels, light: Arriving<D, H, S>)
     where
         D: Fn(usize) -> [f32; 3],
         S: Fn(usize) -> f32,
@@ -233,7 +233,11 @@ impl TermInputs {
 
     /// Sets the lobe to the square of n . h, for an eye on the axis.
     #[inline(always)]
-    pub(super) fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
+    pub(super) fn half_vector_lobe(
+        &mut self,
+        pixels: &LitPixels,
+        half: impl Fn(usize) -> [f32; 3],
+    ) {
         for i in 0..BATCH {
             self.lobe[i] = half_vector_lobe(pixels.normal.at(i), half(i));
         }
@@ -241,7 +245,7 @@ impl TermInputs {
 
     /// [`TermInputs::arrive`] with light directions unwarped, and their Jacobian; with the lobe for an eye on the axis.
     #[inline(always)]
-    pub(super) fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    pub(super) fn arrive_unwarped<D, H, S>(&mut self, pixels: &LitPixels, light: Arriving<D, H, S>)
     where
         D: Fn(usize) -> [f32; 3],
         H: Fn(usize) -> [f32; 3],
@@ -291,7 +295,7 @@ impl TermInputs {
     #[inline(always)]
     pub(super) fn half_way(
         &mut self,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         unwarped: Option<impl Fn(usize) -> [f32; 3] + Copy>,
         direction: impl Fn(usize) -> [f32; 3] + Copy,
     ) {
@@ -308,7 +312,7 @@ impl TermInputs {
     #[inline(always)]
     pub(super) fn curve_toward(
         &mut self,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         toward: TowardLight,
         unwarped: Option<impl Fn(usize) -> [f32; 3]>,
         direction: impl Fn(usize) -> [f32; 3],
@@ -342,7 +346,7 @@ impl TermInputs {
     pub(super) fn scale_cosine(
         &self,
         diffuse: &mut Lanes,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         scaled: Option<Scaled>,
     ) {
         let Self { weight, cosine, .. } = self;
@@ -367,7 +371,7 @@ impl TermInputs {
     pub(super) fn scale_lobe(
         &self,
         specular: &mut Lanes,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         scaled: Option<Scaled>,
         weigh: impl Fn(f32, f32) -> f32,
     ) {
@@ -395,7 +399,7 @@ impl TermInputs {
 
     /// Mirrored light from l . e and the square of n . h: that of the reflectance and that of grazing, scaled alike.
     #[inline(always)]
-    pub(super) fn mirror(&mut self, terms: &mut Terms, pixels: &Pixels, scaled: Option<Scaled>) {
+    pub(super) fn mirror(&mut self, terms: &mut Terms, pixels: &LitPixels, scaled: Option<Scaled>) {
         for i in 0..BATCH {
             let (nl, ne) = (
                 positive(self.cosine[i]),
@@ -426,7 +430,7 @@ impl TermInputs {
     pub(super) fn coat(
         &mut self,
         terms: &mut Terms,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         scaled: Option<Scaled>,
         brdf: &AshikhminShirley,
     ) {
@@ -465,7 +469,7 @@ impl TermInputs {
     fn see_coat(
         &mut self,
         terms: &mut Terms,
-        pixels: &Pixels,
+        pixels: &LitPixels,
         brdf: &AshikhminShirley,
         exponent: impl Fn(f32, f32) -> f32,
     ) {
@@ -494,7 +498,7 @@ impl Scaled {
     #[inline(always)]
     fn curves<'a>(
         &self,
-        pixels: &'a Pixels,
+        pixels: &'a LitPixels,
         toward_light: &'a [CurveLanes; 2],
         term: usize,
     ) -> &'a CurveLanes {

@@ -19,10 +19,10 @@ pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
 #[cfg(test)]
 mod tests {
     use crate::engine::cpu;
-    use crate::engine::gpu::runner::Runner;
+    use crate::engine::gpu::runner::DeviceRunner;
     use crate::engine::inputs::Inputs;
     use crate::frame::{ColorPlanes, Frame, Plane};
-    use crate::gpu::device::{Choice, Device, to_test_on};
+    use crate::gpu::device::{AdapterKind, Device, to_test_on};
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, Plan};
     use crate::scenes::Scene;
@@ -31,7 +31,7 @@ mod tests {
     /// is taken once more.
     #[test]
     fn large_pictures_are_sampled_as_on_the_cpu() {
-        let Some(device) = to_test_on(Device::open(Choice::Any)) else {
+        let Some(device) = to_test_on(Device::open(AdapterKind::Any)) else {
             return;
         };
         let (width, height) = (1100, 1000);
@@ -55,7 +55,7 @@ mod tests {
         let plan = Plan::new(Goal::Enhance, available, shape, scaling).unwrap();
         let host = cpu::Runner::default();
         let expected = host.execute(&plan, &frame, Inputs::default()).unwrap();
-        let runner = Runner::new(device);
+        let runner = DeviceRunner::new(device);
         let whole = runner.execute(&plan, &frame, Inputs::default()).unwrap();
         // The traces of both differ by rounding, their sums of three products hardly.
         for (found, expected, allowed) in [

@@ -9,7 +9,7 @@ use crate::common::cpu;
 use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
 use glam::Vec3;
 use relievo::engine::Inputs;
-use relievo::engine::gpu::Runner;
+use relievo::engine::gpu::DeviceRunner;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -47,9 +47,9 @@ impl Asked {
     }
 
     #[track_caller]
-    fn assert_same(&self, name: &str, runner: &Runner, frame: &Frame) {
+    fn assert_same(&self, name: &str, runner: &DeviceRunner, frame: &Frame) {
         let plan = self.plan(frame).unwrap();
-        assert_eq!(Runner::lacks(&plan), None, "{name}");
+        assert_eq!(DeviceRunner::lacks(&plan), None, "{name}");
         let expected = cpu::execute(&plan, frame, Inputs::lit_by(&self.light)).unwrap();
         let found = runner
             .execute(&plan, frame, Inputs::lit_by(&self.light))

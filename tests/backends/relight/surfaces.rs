@@ -6,7 +6,7 @@ use super::{Asked, sky, torus, torus_from_near, with_layers};
 use crate::common::cpu;
 use crate::common::poisoned;
 use relievo::engine::Inputs;
-use relievo::engine::gpu::{Choice, Device, Runner};
+use relievo::engine::gpu::{AdapterKind, Device, DeviceRunner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::params::{AlbedoSource, Material, Method, Samples};
@@ -110,12 +110,12 @@ fn sizes_and_masks() {
 
 #[test]
 fn an_environment_too_large_for_the_device_is_refused() {
-    let Ok(device) = Device::open(Choice::Any) else {
+    let Ok(device) = Device::open(AdapterKind::Any) else {
         return;
     };
     let frame = with_layers(torus_from_near());
     // 97x94 vectors of two fit, and 64x32 pixels of 16 bytes; four times as many do not.
-    let runner = Runner::new(device.limited_to(97 * 94 * 8));
+    let runner = DeviceRunner::new(device.limited_to(97 * 94 * 8));
     let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), Samples::Auto);
     asked.assert_same("mirrored", &runner, &frame);
     let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);

@@ -8,7 +8,7 @@ mod shader;
 mod table;
 mod words;
 
-use crate::gpu::device::{Choice, Device, to_test_on};
+use crate::gpu::device::{AdapterKind, Device, to_test_on};
 use crate::gpu::kernels::Kernel;
 use crate::stages::kernels::kernel_sources;
 use rand_core::{Rng, SeedableRng};
@@ -210,7 +210,7 @@ fn every_formula_has_a_row() {
 #[test]
 fn formulas_are_those_of_rust() {
     // Hardware rounds in its own ways.
-    let Some(device) = to_test_on(Device::open(Choice::Software)) else {
+    let Some(device) = to_test_on(Device::open(AdapterKind::Software)) else {
         return;
     };
     let twins = table::twins();
