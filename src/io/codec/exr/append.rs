@@ -59,55 +59,27 @@ fn free_name(name: &str, parts: &[Attributes]) -> String {
     names.find(|name| !taken.contains(name)).unwrap_or_default()
 }
 
-/// Chunks of a file that remain to be copied, in file order.
-pub(super) struct Copied<'a> {
-    input: &'a ExrFile,
-    chunks: ChunkReader<'a>,
-    /// Offset, part and index within the part of each.
-    rest: std::vec::IntoIter<(u64, usize, usize)>,
-    /// End of the last one.
-    end: u64,
-}
-
-impl<'a> Copied<'a> {
-    /// All chunks of `input` but those of part `without`.
-    pub(super) fn new(input: &'a ExrFile, without: Option<usize>) -> Result<Self> {
-        let open = || {
-            let mut chunks = ChunkReader::open(input)?;
-            let all = all_chunks(input, &mut chunks, without)?;
-            Ok((chunks, all.into_iter()))
-        };
-        let (chunks, rest) = open().map_err(|fault: Fault| fault.at(&input.path))?;
-        Ok(Copied {
-            input,
-            chunks,
-            rest,
-            end: 0,
-        })
-    }
-
-    pub(super) fn is_done(&self) -> bool {
-        self.rest.as_slice().is_empty()
-    }
-
-    /// Copies the next chunk, if there is one.
-    pub(super) fn copy_next(
-        &mut self,
-        out: &mut ChunkSink<impl Write + Seek>,
-        target: &Path,
-    ) -> Result<()> {
-        let Some((offset, part, index)) = self.rest.next() else {
-            return Ok(());
-        };
-        let chunk = next_chunk(&mut self.chunks, offset, self.end, part)
-            .map_err(|fault| fault.at(&self.input.path))?;
-        self.end = self.chunks.position;
+/// Copies all chunks of `input` but those of part `without`, in file order.
+pub(super) fn copy_chunks(
+    input: &ExrFile,
+    without: Option<usize>,
+    out: &mut ChunkSink<impl Write + Seek>,
+    target: &Path,
+) -> Result<()> {
+    let damaged = |fault: Fault| fault.at(&input.path);
+    let mut chunks = ChunkReader::open(input).map_err(damaged)?;
+    let all = all_chunks(input, &mut chunks, without).map_err(damaged)?;
+    let mut end = 0;
+    for (offset, part, index) in all {
+        let chunk = next_chunk(&mut chunks, offset, end, part).map_err(damaged)?;
+        end = chunks.position;
         let written = match chunk.place {
             BlockPlace::Row(y) => out.chunk(part, index, &[y], &chunk.bytes),
             BlockPlace::Tile(tile) => out.chunk(part, index, &tile, &chunk.bytes),
         };
-        written.map_err(Error::io(target, "write"))
+        written.map_err(Error::io(target, "write"))?;
     }
+    Ok(())
 }
 
 /// Offset, part and index within the part of every chunk, by offset; none of part `without`.

@@ -3,7 +3,6 @@
 use super::ExrFile;
 use super::encode::BATCH_BYTES;
 use super::read::decoding_bytes;
-use super::writer::MOST_WAITING;
 use ::exr::compression::Compression;
 
 impl ExrFile {
@@ -16,9 +15,9 @@ impl ExrFile {
 }
 
 /// Most memory that blocks take while a strip of `bytes`, `row_bytes` in each row, is written: compressed ones of the
-/// strip and those that wait, and for each thread one of ZIP as laid out, as differences, and compressed.
+/// strip, and for each thread one of ZIP as laid out, as differences, and compressed.
 pub(crate) fn encoding_bytes(bytes: u64, row_bytes: u64) -> u64 {
     let block_rows = 3 * Compression::ZIP16.scan_lines_per_block() * rayon::current_num_threads();
     let working = row_bytes.saturating_mul(block_rows as u64);
-    working.saturating_add(bytes.min((BATCH_BYTES + MOST_WAITING) as u64))
+    working.saturating_add(bytes.min(BATCH_BYTES as u64))
 }

@@ -1,7 +1,7 @@
 //! Writing a part, whole or strip by strip.
 
 use super::ExrFile;
-use super::append::{Copied, start_append};
+use super::append::{copy_chunks, start_append};
 use super::encode::{Encoder, Strip};
 use super::header::VERSION;
 use super::merge::{InputRows, Merged, start_merge};
@@ -12,10 +12,6 @@ use crate::frame::Plane;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Most bytes of blocks that wait for the file to be copied, before that is no longer done beside other work.
-pub(super) const MOST_WAITING: usize = 32 << 20;
 
 /// Writes `part` alone as a file. `target` is only named in errors.
 ///
@@ -29,9 +25,8 @@ pub fn write_results(w: &mut (impl Write + Seek), target: &Path, part: &OutputPa
 
 /// Writes the samples of one part, from the top, some rows at a time.
 ///
-/// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call, and
-/// blocks are written during the next call or at the end; memory holds no more than those, the blocks being compressed and
-/// 32 MB of blocks that wait while a file that is added to is copied. That it is damaged is told then, or at the end.
+/// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call; memory
+/// holds no more than those, and the blocks being compressed.
 pub struct PartWriter<'a, W> {
     out: ChunkSink<'a, W>,
     target: PathBuf,
@@ -42,20 +37,8 @@ pub struct PartWriter<'a, W> {
     width: usize,
     planes: usize,
     encoder: Encoder,
-    /// What is copied of another file, while the first blocks are compressed.
-    copied: Option<Copied<'a>>,
-    /// Blocks that wait to be written, while the next ones are compressed.
-    waiting: Vec<PackedBlock>,
     /// The part that is added to.
     kept: Option<InputRows<'a>>,
-}
-
-/// A compressed block of rows.
-struct PackedBlock {
-    index: usize,
-    /// Its first row.
-    top: i32,
-    bytes: Vec<u8>,
 }
 
 impl<'a, W: Write + Seek> PartWriter<'a, W> {
@@ -79,10 +62,9 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         target: &Path,
         part: &PartDescription,
     ) -> Result<Self> {
-        let (out, ready) = start_append(input, w, target, part)?;
-        let mut writer = Self::new(out, target, input.parts.len(), part, &ready);
-        writer.copied = Some(Copied::new(input, None)?);
-        Ok(writer)
+        let (mut out, ready) = start_append(input, w, target, part)?;
+        copy_chunks(input, None, &mut out, target)?;
+        Ok(Self::new(out, target, input.parts.len(), part, &ready))
     }
 
     /// Starts a copy of `input` in which the part at index `part` also has these channels, for programs that see only
@@ -103,9 +85,9 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         target: &Path,
         added: &PartDescription,
     ) -> Result<(Self, Merged)> {
-        let (out, ready, merged) = start_merge(input, part, w, target, added)?;
+        let (mut out, ready, merged) = start_merge(input, part, w, target, added)?;
+        copy_chunks(input, Some(part), &mut out, target)?;
         let mut writer = Self::new(out, target, part, added, &ready);
-        writer.copied = Some(Copied::new(input, Some(part))?);
         let kept = InputRows::open(input, part, writer.encoder.batch_rows());
         writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
         Ok((writer, merged))
@@ -126,8 +108,6 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             width: part.data_window.width(),
             planes: part.channels.len(),
             encoder: Encoder::new(ready),
-            copied: None,
-            waiting: Vec::new(),
             kept: None,
         }
     }
@@ -181,32 +161,13 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             None => &[],
         };
         let strip = Strip { planes, rows, kept };
-        let mut compressed = None;
-        let is_compressed = AtomicBool::new(false);
-        let (encoder, index) = (&mut self.encoder, self.index);
-        let (out, copied) = (&mut self.out, &mut self.copied);
-        let held: usize = self.waiting.iter().map(|block| block.bytes.len()).sum();
-        let is_urgent = held > MOST_WAITING;
-        rayon::in_place_scope(|scope| {
-            scope.spawn(|_| {
-                compressed = Some(encoder.take(&strip, beside));
-                is_compressed.store(true, Ordering::Relaxed);
-            });
-            let has_time = || is_urgent || !is_compressed.load(Ordering::Relaxed);
-            if copy(copied, out, &self.target, has_time)? {
-                let waiting = std::mem::take(&mut self.waiting);
-                write_blocks(out, index, waiting).map_err(Error::io(&self.target, "write"))?;
-            }
-            Ok(())
-        })?;
-        let compressed = compressed.expect("a scope ends after all that it spawned");
+        let compressed = self.encoder.take(&strip, beside);
         let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
-        let placed = |(index, bytes)| PackedBlock {
-            index,
-            top: self.top + (index * self.encoder.block_rows) as i32,
-            bytes,
-        };
-        self.waiting.extend((first..).zip(blocks).map(placed));
+        for (index, bytes) in (first..).zip(blocks) {
+            let top = self.top + (index * self.encoder.block_rows) as i32;
+            let written = self.out.chunk(self.index, index, &[top], &bytes);
+            written.map_err(Error::io(&self.target, "write"))?;
+        }
         Ok(())
     }
 
@@ -215,11 +176,9 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     ///
     /// # Panics
     /// If rows are missing.
-    pub fn finish(mut self) -> Result<u64> {
+    pub fn finish(self) -> Result<u64> {
         assert_eq!(self.encoder.missing(), 0, "rows are missing");
-        copy(&mut self.copied, &mut self.out, &self.target, || true)?;
-        let written = write_blocks(&mut self.out, self.index, self.waiting);
-        let finished = written.and_then(|()| self.out.finish());
+        let finished = self.out.finish();
         finished.map_err(Error::io(&self.target, "write"))?;
         Ok(self.encoder.clamped)
     }
@@ -235,31 +194,4 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         self.push(&planes, 0..height)?;
         self.finish()
     }
-}
-
-/// Copies chunks while there is time, in file order. Returns whether none is left.
-fn copy(
-    copied: &mut Option<Copied>,
-    out: &mut ChunkSink<impl Write + Seek>,
-    target: &Path,
-    has_time: impl Fn() -> bool,
-) -> Result<bool> {
-    while let Some(chunks) = copied.as_mut().filter(|chunks| !chunks.is_done()) {
-        if !has_time() {
-            return Ok(false);
-        }
-        chunks.copy_next(out, target)?;
-    }
-    *copied = None;
-    Ok(true)
-}
-
-/// Writes blocks of the part with this index.
-fn write_blocks(
-    out: &mut ChunkSink<impl Write + Seek>,
-    part: usize,
-    blocks: Vec<PackedBlock>,
-) -> std::io::Result<()> {
-    let mut blocks = blocks.into_iter();
-    blocks.try_for_each(|PackedBlock { index, top, bytes }| out.chunk(part, index, &[top], &bytes))
 }
