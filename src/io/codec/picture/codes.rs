@@ -1,7 +1,7 @@
 //! Conversion of numbers to the integer codes of pictures.
 
 use super::format::ViewTransform;
-use super::group::clipped;
+use super::straight::clipped;
 use crate::io::srgb;
 use std::sync::LazyLock;
 

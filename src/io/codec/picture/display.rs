@@ -2,7 +2,7 @@
 
 use super::agx::agx;
 use super::filmic::filmic;
-use super::group::{Colors, color_at, each, largest};
+use super::straight::largest;
 use crate::frame::ColorPlanes;
 
 /// Light above this value is compressed: 0.906 of a display's range by the sRGB curve.
@@ -48,34 +48,32 @@ pub(super) struct DisplayMapping<'a> {
 }
 
 impl<'a> Display<'a> {
-    /// The mapping of light; `None` for the identity.
-    pub(super) fn shown(&self) -> Option<DisplayMapping<'a>> {
-        let is_plain = self.exposure == 0.0 && matches!(self.bright, Bright::Clipped);
-        (!is_plain).then(|| DisplayMapping {
+    /// The mapping of light.
+    pub(super) fn mapping(&self) -> DisplayMapping<'a> {
+        DisplayMapping {
             gain: f64::from(self.exposure).exp2(),
             bright: self.bright,
-        })
+        }
     }
 }
 
 impl DisplayMapping<'_> {
-    /// The displayed colours of a group: `of` reads those of the picture that it was changed from, divided by alpha.
+    /// The displayed colour: `of` reads that of the picture that it was changed from, divided by alpha.
     #[inline]
-    pub(super) fn group(&self, colors: &Colors, of: impl Fn(&ColorPlanes) -> Colors) -> Colors {
-        let gain = self.gain;
-        let colors = each(colors, |_, color| color.map(|v| gain * v));
+    pub(super) fn shown(
+        &self,
+        color: [f64; 3],
+        of: impl FnOnce(&ColorPlanes) -> [f64; 3],
+    ) -> [f64; 3] {
+        let color = color.map(|v| self.gain * v);
         match self.bright {
-            Bright::Clipped => colors,
-            Bright::Agx => each(&colors, |_, color| agx(color)),
-            Bright::Filmic => each(&colors, |_, color| filmic(color)),
-            Bright::Compressed => each(&colors, |_, color| compressed(color, KNEE)),
+            Bright::Clipped => color,
+            Bright::Agx => agx(color),
+            Bright::Filmic => filmic(color),
+            Bright::Compressed => compressed(color, KNEE),
             Bright::ChangedFrom(before) => {
-                let before = of(before);
-                each(&colors, |x, color| {
-                    let before = color_at(&before, x).map(|v| gain * v);
-                    let knee = KNEE.max(largest(before));
-                    compressed(changed(color, before), knee)
-                })
+                let before = of(before).map(|v| self.gain * v);
+                compressed(changed(color, before), KNEE.max(largest(before)))
             }
         }
     }
@@ -124,19 +122,12 @@ fn compressed(color: [f64; 3], knee: f64) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::group::GROUP;
     use super::*;
     use crate::frame::Plane;
 
     fn shown(color: [f64; 3], exposure: f32, bright: Bright) -> [f64; 3] {
-        match (Display { exposure, bright }).shown() {
-            Some(shown) => {
-                let colors = color.map(|v| [v; GROUP]);
-                let of = |before: &ColorPlanes| before.at(0, 0).map(|v| [v.into(); GROUP]);
-                color_at(&shown.group(&colors, of), GROUP - 1)
-            }
-            None => color,
-        }
+        let of = |before: &ColorPlanes| before.at(0, 0).map(f64::from);
+        Display { exposure, bright }.mapping().shown(color, of)
     }
 
     fn picture(color: [f32; 3]) -> ColorPlanes {

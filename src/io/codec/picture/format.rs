@@ -138,9 +138,8 @@ impl<'a> Picture<'a> {
         if self.grey { [r; 3] } else { [r, g, b] }
     }
 
-    /// The mapping of light, if this picture is for a display and the mapping changes it.
-    pub(super) fn shown(&self) -> Option<DisplayMapping<'a>> {
-        let is_shown = self.transform == ViewTransform::Srgb;
-        self.display.shown().filter(|_| is_shown)
+    /// The mapping of light, if this picture is for a display.
+    pub(super) fn mapping(&self) -> Option<DisplayMapping<'a>> {
+        (self.transform == ViewTransform::Srgb).then(|| self.display.mapping())
     }
 }

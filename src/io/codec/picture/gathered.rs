@@ -1,12 +1,11 @@
 //! Samples in the layout of picture files, gathered by rows and encoded at once.
 
 use super::codes::code;
-use super::display::DisplayMapping;
 use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
-use super::group::{GROUP, straight};
 use super::scale_bar::Bar;
 use super::stored::{Storable, unwritten};
+use super::straight::straight;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::max_code;
@@ -257,53 +256,19 @@ impl CodedRows<'_> {
         y: usize,
         stored: impl Fn(u16) -> T,
     ) {
-        let shown = self.picture.shown();
-        let (pixels, _) = row.as_chunks_mut::<N>();
-        for (group, pixels) in pixels.chunks_mut(GROUP).enumerate() {
-            let columns = group * GROUP..group * GROUP + pixels.len();
-            if self.are_empty(y, &columns) {
-                pixels.as_flattened_mut().fill(stored(0));
-                continue;
-            }
-            let codes = self.codes(shown, y, columns);
-            for (x, pixel) in pixels.iter_mut().enumerate() {
-                for (sample, codes) in pixel.iter_mut().zip(&codes) {
-                    *sample = stored(codes[x]);
-                }
-            }
-        }
-    }
-
-    /// Whether these columns of a row have neither colour nor alpha.
-    fn are_empty(&self, y: usize, columns: &Range<usize>) -> bool {
-        let are_zero = |plane: &Plane| {
-            let samples = &plane.row(y)[columns.clone()];
-            samples.iter().fold(true, |all, &v| all & (v == 0.0))
-        };
-        self.alpha.is_some_and(are_zero) && self.picture.primaries().into_iter().all(are_zero)
-    }
-
-    /// Red, green, blue and alpha of these columns of a row, as codes.
-    fn codes(
-        &self,
-        shown: Option<DisplayMapping>,
-        y: usize,
-        columns: Range<usize>,
-    ) -> [[u16; GROUP]; 4] {
         let (transform, max) = (self.picture.transform, self.max);
-        let of = |color: [&Plane; 3]| straight(color, self.alpha, y, columns.clone(), max);
-        let (mut color, alpha) = of(self.picture.primaries());
-        if let Some(shown) = shown {
-            color = shown.group(&color, |ColorPlanes { r, g, b }| of([r, g, b]).0);
-        }
-        let mut codes = [[max as u16; GROUP]; 4];
-        let of_color = color.iter().map(|channel| (channel, transform));
-        let of_alpha = self.alpha.map(|_| (&alpha, ViewTransform::None));
-        for (codes, (numbers, transform)) in codes.iter_mut().zip(of_color.chain(of_alpha)) {
-            for (stored, &v) in codes.iter_mut().zip(numbers) {
-                *stored = code(v, transform, max);
+        let (color, mapping) = (self.picture.primaries(), self.picture.mapping());
+        for (x, pixel) in row.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+            let of = |color: [&Plane; 3]| straight(color, self.alpha, [x, y], max);
+            let (mut color, alpha) = of(color);
+            if let Some(mapping) = mapping {
+                color = mapping.shown(color, |ColorPlanes { r, g, b }| of([r, g, b]).0);
+            }
+            let [r, g, b] = color.map(|v| code(v, transform, max));
+            let codes = [r, g, b, code(alpha, ViewTransform::None, max)];
+            for (sample, code) in pixel.iter_mut().zip(codes) {
+                *sample = stored(code);
             }
         }
-        codes
     }
 }

@@ -10,11 +10,11 @@ mod exposure;
 mod filmic;
 mod format;
 mod gathered;
-mod group;
 mod scale_bar;
 #[cfg(feature = "cli")]
 mod small;
 mod stored;
+mod straight;
 #[cfg(feature = "cli")]
 mod whites;
 

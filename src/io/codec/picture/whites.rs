@@ -2,7 +2,7 @@
 
 use super::display::WHITE;
 use super::format::Picture;
-use super::group::{Colors, GROUP, color_at, largest, straight};
+use super::straight::{largest, straight};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Mask};
 use crate::io::photo::max_code;
 use rayon::prelude::*;
@@ -24,14 +24,12 @@ pub(crate) struct Whites {
 impl Picture<'_> {
     /// The number of pixels in these rows that are compressed, so that they stay below white, where `mask` has a surface.
     pub(crate) fn compressed(&self, mask: &Mask, rows: Range<usize>) -> usize {
-        let Some(shown) = self.display.shown() else {
-            return 0;
-        };
+        let mapping = self.display.mapping();
         let count = |y: usize| {
             let is_compressed = |&x: &usize| {
                 let alpha = self.alpha.map_or(1.0, |alpha| f64::from(alpha.at(x, y)));
                 let of = |color: &ColorPlanes| color.at(x, y).map(|v| f64::from(v) / alpha);
-                shown.compresses(of(self.color), of)
+                mapping.compresses(of(self.color), of)
             };
             mask.runs(y).flatten().filter(is_compressed).count()
         };
@@ -48,31 +46,17 @@ impl Whites {
         mask: &Mask,
         rows: Range<usize>,
     ) -> Self {
-        let shown = picture.display.shown();
-        let count_in = |y: usize, columns: Range<usize>| {
-            let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
-                straight([r, g, b], picture.alpha, y, columns.clone(), max_code(8)).0
-            };
-            let white_in = |colors: &Colors| {
-                let brightest = (0..columns.len()).map(|x| largest(color_at(colors, x)));
-                brightest.filter(|&v| v >= WHITE).count()
-            };
-            let after = of(picture.color);
-            let after = shown.map_or(after, |shown| shown.group(&after, of));
-            Self {
-                count: white_in(&after),
-                before: before.map_or(0, |before| white_in(&of(before))),
-                ..Self::default()
-            }
-        };
+        let mapping = picture.display.mapping();
+        let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
         let of_row = |y: usize| {
             let mut whites = Self::default();
-            for run in mask.runs(y) {
-                whites.of += run.len();
-                for start in run.clone().step_by(GROUP) {
-                    let group = start..run.end.min(start + GROUP);
-                    whites = whites.with(count_in(y, group));
-                }
+            for x in mask.runs(y).flatten() {
+                let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
+                    straight([r, g, b], picture.alpha, [x, y], max_code(8)).0
+                };
+                whites.of += 1;
+                whites.count += is_white(mapping.shown(of(picture.color), of));
+                whites.before += before.map_or(0, |before| is_white(of(before)));
             }
             whites
         };
