@@ -1,5 +1,6 @@
 //! Cameras written as JSON.
 
+use super::PanoramaPose;
 use crate::error::{Error, Result};
 use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
@@ -94,7 +95,7 @@ pub(crate) fn camera_of_text(
 ///
 /// # Errors
 /// If the file cannot be read, is not JSON, or has no such matrix of a rotation and a translation.
-pub(crate) fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
+pub(crate) fn read_pose(path: &Path) -> Result<PanoramaPose> {
     let text = read_text(path, MOST_BYTES)?;
     let parsed = || {
         let matrix = CameraFile::parsed(&text)?.world_to_camera.ok_or_else(|| {

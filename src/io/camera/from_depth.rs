@@ -12,7 +12,7 @@
 //! How to use it: give a normal map in any space. For view space the rotation comes out as the identity. The eye's
 //! position stays unknown: the translation is zero.
 
-use super::depth_fit::{Certainty, Fit};
+use super::depth_fit::Fit;
 use super::depth_lens::{Lens, LensKind};
 use super::depth_samples::{Facet, NormalsAndDepth};
 use super::file::dmat3;
@@ -102,49 +102,37 @@ pub fn recover_camera_from_depth(
         mask,
         grid: PixelGrid::new(data_window, display_window, pixel_aspect),
     };
-    let patches = surface.patches();
+    let mut patches = surface.patches();
     if patches.len() < FEWEST {
         return Err(RecoveryFailure::TooFewPatches {
             found: patches.len(),
             needed: FEWEST,
         });
     }
-    let width = display_window.width() as f64;
-    let failure = match Answer::of(&patches, width) {
-        Ok(answer) => return Ok(answer.report(&surface)),
-        Err(failure) => failure,
+    let failure = match surface.fitted(&patches) {
+        Err(failure @ (RecoveryFailure::Mirrored | RecoveryFailure::NormalsDisagree { .. })) => {
+            failure
+        }
+        other => return other,
     };
     // Mirrored across its y axis, a left-handed world is right-handed.
-    let may_be_mirrored = matches!(
-        failure,
-        RecoveryFailure::Mirrored | RecoveryFailure::NormalsDisagree { .. }
-    );
-    let mut patches = patches;
     for patch in &mut patches {
         patch.normal.y = -patch.normal.y;
     }
-    let answer = may_be_mirrored
-        .then(|| Answer::of(&patches, width).ok())
-        .flatten();
-    let mut report = answer.ok_or(failure)?.report(&surface);
-    if report.residual_deg_median > MIRRORED_RESIDUAL_DEG {
-        return Err(failure);
+    match surface.fitted(&patches) {
+        Ok(mut found) if found.residual_deg_median <= MIRRORED_RESIDUAL_DEG => {
+            found.camera.view_from_world *= DAffine3::from_scale(MIRROR);
+            Ok(found)
+        }
+        _ => Err(failure),
     }
-    report.camera.view_from_world *= DAffine3::from_scale(MIRROR);
-    Ok(report)
 }
 
-/// A fit that passed, with how certain it is.
-struct Answer {
-    fit: Fit,
-    certainty: Certainty,
-    has_equal: bool,
-    samples: usize,
-}
-
-impl Answer {
-    fn of(patches: &[Facet], width: f64) -> Result<Self, RecoveryFailure> {
-        let (fit, has_equal, patches) = chosen(patches, width)
+impl NormalsAndDepth<'_> {
+    /// The camera that fits these patches, if it passes.
+    fn fitted(&self, patches: &[Facet]) -> Result<DepthCamera, RecoveryFailure> {
+        let display = self.grid.display;
+        let (fit, has_equal, patches) = chosen(patches, display.width() as f64)
             .ok_or(RecoveryFailure::NormalsDisagree { residual_deg: 90.0 })?;
         check_residual(&fit, &patches)?;
         let cost = fit.cost(&patches);
@@ -154,25 +142,14 @@ impl Answer {
         let certainty = fit
             .certainty(&cost, &patches)
             .ok_or(RecoveryFailure::Undetermined { rotation_deg: 90.0 })?;
-        let answer = Self {
-            fit,
-            certainty,
-            has_equal,
-            samples: patches.len(),
-        };
-        let rotation_deg = answer.certainty.turn.to_degrees();
+        let rotation_deg = certainty.turn.to_degrees();
         if rotation_deg > WORST_ROTATION_DEG {
             return Err(RecoveryFailure::Undetermined { rotation_deg });
         }
-        Ok(answer)
-    }
-
-    fn report(&self, surface: &NormalsAndDepth) -> DepthCamera {
-        let Lens { kind, number } = self.fit.lens;
-        let display = surface.grid.display;
-        let per_unit = [number, number * surface.grid.aspect];
-        let turn = dmat3(self.fit.turn.matrix());
-        DepthCamera {
+        let Lens { kind, number } = fit.lens;
+        let per_unit = [number, number * self.grid.aspect];
+        let turn = dmat3(fit.turn.matrix());
+        Ok(DepthCamera {
             camera: Camera {
                 view_from_world: DAffine3::from_mat3_translation(turn, DVec3::ZERO),
                 projection: Projection::new(kind == LensKind::Parallel, per_unit, display.center()),
@@ -182,14 +159,14 @@ impl Answer {
             } else {
                 DepthKind::Planar
             },
-            residual_deg_median: angle_deg(self.fit.residual),
-            rotation_uncertainty_deg: self.certainty.turn.to_degrees(),
-            focal_uncertainty: self.certainty.lens,
-            focal_uncertain: self.certainty.lens > UNCERTAIN_FOCAL,
-            has_equal: self.has_equal,
-            is_scattered: surface.off_centre().is_some_and(|px| px > SCATTERED),
-            samples: self.samples,
-        }
+            residual_deg_median: angle_deg(fit.residual),
+            rotation_uncertainty_deg: rotation_deg,
+            focal_uncertainty: certainty.lens,
+            focal_uncertain: certainty.lens > UNCERTAIN_FOCAL,
+            has_equal,
+            is_scattered: self.off_centre().is_some_and(|px| px > SCATTERED),
+            samples: patches.len(),
+        })
     }
 }
 

@@ -20,6 +20,6 @@ pub use file::read_camera;
 pub(crate) use file::read_pose;
 pub(super) use find::{CAMERA, CameraSearch, FoundCamera};
 pub use from_depth::{DepthCamera, recover_camera_from_depth};
-pub(crate) use panorama::recover_panorama;
+pub(crate) use panorama::{PanoramaPose, recover_panorama};
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};
 pub(super) use samples::median;

@@ -17,9 +17,6 @@ use glam::{DMat3, DVec3};
 use std::path::Path;
 use std::rc::Rc;
 
-/// Median residual, in pixels, above which positions are no equirectangular panorama.
-const WORST_RESIDUAL_PX: f64 = 1.0;
-
 /// Error of normals computed from points, mostly due to facets.
 const MADE_ROUNDING: f32 = 1e-3;
 
@@ -68,20 +65,13 @@ pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surr
     let (points, center, map_from_world) = if has_positions {
         let positions = planes.vector(Role::Position).expect("found above");
         let seen = seen(&positions);
-        let (center, map_from_world) = match pose {
-            Some(pose) => pose,
-            None => {
-                let found = recover_panorama(&positions, &seen)
-                    .filter(|found| found.residual_px < WORST_RESIDUAL_PX);
-                let found = found.ok_or_else(|| {
-                    unsupported(
-                        "its positions are not those of an equirectangular panorama".into(),
-                        "give one with positions in world space, or say where it was seen from with --surroundings-camera FILE",
-                    )
-                })?;
-                (found.center, found.map_from_world)
-            }
-        };
+        let pose = pose.or_else(|| recover_panorama(&positions, &seen));
+        let (center, map_from_world) = pose.ok_or_else(|| {
+            unsupported(
+                "its positions are not those of an equirectangular panorama".into(),
+                "give one with positions in world space, or say where it was seen from with --surroundings-camera FILE",
+            )
+        })?;
         (points_of(&positions, &seen, center), center, map_from_world)
     } else {
         let Some((center, map_from_world)) = pose else {
