@@ -2,7 +2,7 @@
 
 use super::ExrFile;
 use super::attributes::Attributes;
-use super::chunks::{BlockPlace, ChunkReader, RawChunk};
+use super::chunks::{ChunkReader, RawChunk};
 use super::fault::{Fault, Parsed};
 use super::header::{MULTI_PART, TILED};
 use super::sink::ChunkSink;
@@ -73,10 +73,7 @@ pub(super) fn copy_chunks(
     for (offset, part, index) in all {
         let chunk = next_chunk(&mut chunks, offset, end, part).map_err(damaged)?;
         end = chunks.position;
-        let written = match chunk.place {
-            BlockPlace::Row(y) => out.chunk(part, index, &[y], &chunk.bytes),
-            BlockPlace::Tile(tile) => out.chunk(part, index, &tile, &chunk.bytes),
-        };
+        let written = out.chunk(part, index, &chunk.place, &chunk.bytes);
         written.map_err(Error::io(target, "write"))?;
     }
     Ok(())

@@ -6,20 +6,12 @@ use crate::io::open::open_input;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-/// The block of a part that a chunk claims to hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum BlockPlace {
-    /// The first row of a block of rows.
-    Row(i32),
-    /// Column and row of a tile, then column and row of its resolution level.
-    Tile([i32; 4]),
-}
-
 /// A compressed block of pixels.
 #[derive(Debug)]
 pub(super) struct RawChunk {
     pub(super) part: i32,
-    pub(super) place: BlockPlace,
+    /// What it claims to hold: the first row of a block of rows, or column and row of a tile and of its resolution level.
+    pub(super) place: Vec<i32>,
     pub(super) bytes: Vec<u8>,
 }
 
@@ -102,10 +94,8 @@ impl<'a> ChunkReader<'a> {
             .and_then(|p| parts.get(p))
             .ok_or_else(|| Fault::damaged(format!("a block of pixels claims part {part}")))?
             .tiled;
-        let place = match tiled {
-            true => BlockPlace::Tile([self.int()?, self.int()?, self.int()?, self.int()?]),
-            false => BlockPlace::Row(self.int()?),
-        };
+        let numbers = if tiled { 4 } else { 1 };
+        let place = (0..numbers).map(|_| self.int()).collect::<Parsed<_>>()?;
         let bytes = self.sized_bytes(max_bytes)?;
         Ok(RawChunk { part, place, bytes })
     }

@@ -1,19 +1,13 @@
 //! Chunks to samples, with everything a chunk claims checked before it is believed.
 
 use super::attributes::text_of_bytes;
-use super::chunks::BlockPlace;
 use super::fault::{Fault, Parsed};
 use super::layout::{Area, BandLayout};
 use super::zip::inflate;
 use crate::io::fence::fenced;
-use ::exr::block::UncompressedBlock;
-use ::exr::block::chunk::{
-    Chunk, CompressedBlock, CompressedScanLineBlock, CompressedTileBlock, TileCoordinates,
-};
 use ::exr::compression::Compression;
 use ::exr::math::Vec2;
-use ::exr::meta::MetaData;
-use ::exr::meta::attribute::SampleType;
+use ::exr::meta::attribute::{IntegerBounds, SampleType};
 use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
@@ -23,57 +17,52 @@ use std::ops::Range;
 /// of the files, low byte first.
 pub(super) const OWN_CODEC: bool = cfg!(target_endian = "little");
 
-/// A channel to be read: where its samples lie in a row of a decompressed block.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Slot {
-    /// Bytes per pixel of the channels before it.
-    before: usize,
-    sample_type: SampleType,
-}
-
-impl Slot {
-    pub(super) fn of_channel(header: &Header, channel: usize) -> Slot {
-        let list = &header.channels.list;
-        let before = list[..channel].iter();
-        Slot {
-            before: before.map(|c| c.sample_type.bytes_per_sample()).sum(),
-            sample_type: list[channel].sample_type,
-        }
-    }
-
-    /// Converts samples given as 16-bit words, in the order of memory.
-    fn convert(self, words: &[u16], into: &mut [f32]) {
-        let bits = |&[a, b]: &[u16; 2]| {
-            let ([a, b], [c, d]) = (a.to_ne_bytes(), b.to_ne_bytes());
-            u32::from_ne_bytes([a, b, c, d])
-        };
-        match self.sample_type {
-            SampleType::F16 => {
-                let halves: &[f16] = words[..into.len()].reinterpret_cast();
-                halves.convert_to_f32_slice(into);
-            }
-            SampleType::F32 => {
-                for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
-                    *to = f32::from_bits(bits(words));
-                }
-            }
-            SampleType::U32 => {
-                for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
-                    *to = bits(words) as f32;
-                }
-            }
-        }
-    }
-}
-
 /// The 16-bit words of a decompressed block, in the order of memory: for each row, all samples of one channel after
 /// another.
 pub(super) type BlockWords = Vec<u16>;
 
 /// The rows of a plane, as wide as the picture, that a channel is read to.
 pub(super) struct PlaneTarget<'t> {
-    pub(super) slot: Slot,
-    pub(super) samples: &'t mut [f32],
+    /// Bytes per pixel of the channels before it in a row of a decompressed block.
+    before: usize,
+    sample_type: SampleType,
+    samples: &'t mut [f32],
+}
+
+impl<'t> PlaneTarget<'t> {
+    pub(super) fn of_channel(header: &Header, channel: usize, samples: &'t mut [f32]) -> Self {
+        let list = &header.channels.list;
+        let before = list[..channel].iter();
+        PlaneTarget {
+            before: before.map(|c| c.sample_type.bytes_per_sample()).sum(),
+            sample_type: list[channel].sample_type,
+            samples,
+        }
+    }
+}
+
+/// Converts samples given as 16-bit words, in the order of memory.
+fn convert(sample_type: SampleType, words: &[u16], into: &mut [f32]) {
+    let bits = |&[a, b]: &[u16; 2]| {
+        let ([a, b], [c, d]) = (a.to_ne_bytes(), b.to_ne_bytes());
+        u32::from_ne_bytes([a, b, c, d])
+    };
+    match sample_type {
+        SampleType::F16 => {
+            let halves: &[f16] = words[..into.len()].reinterpret_cast();
+            halves.convert_to_f32_slice(into);
+        }
+        SampleType::F32 => {
+            for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
+                *to = f32::from_bits(bits(words));
+            }
+        }
+        SampleType::U32 => {
+            for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
+                *to = bits(words) as f32;
+            }
+        }
+    }
 }
 
 /// Rows are split off rows that hold them.
@@ -122,9 +111,10 @@ impl<'t> PictureRows<'t> {
             let y = y - rows.start;
             match self {
                 PictureRows::Samples(planes) => {
-                    for PlaneTarget { slot, samples } in planes {
-                        let row = &mut samples[y * layout.width + x..][..width];
-                        slot.convert(&words[slot.before / 2 * width..], row);
+                    for target in planes {
+                        let row = &mut target.samples[y * layout.width + x..][..width];
+                        let words = &words[target.before / 2 * width..];
+                        convert(target.sample_type, words, row);
                     }
                 }
                 PictureRows::Bytes(bytes) => {
@@ -161,47 +151,34 @@ fn words(bytes: &[u8]) -> BlockWords {
     pairs.iter().map(|&pair| u16::from_ne_bytes(pair)).collect()
 }
 
-/// Decompresses a block of `part` to `size` bytes; `place` is already checked against the part.
+/// Decompresses a block of `part`, which has the pixels of `area`.
 pub(super) fn decode_block(
     bytes: Vec<u8>,
-    meta: &MetaData,
+    header: &Header,
     part: usize,
-    place: BlockPlace,
-    size: usize,
+    area: &Area,
 ) -> Parsed<BlockWords> {
-    let header = &meta.headers[part];
+    let (columns, rows) = (area.columns.len(), area.rows.len());
+    let size = columns * rows * header.channels.bytes_per_pixel;
     // Blocks that compression would not shrink are stored uncompressed.
     if OWN_CODEC && bytes.len() == size {
         return Ok(words(&bytes));
     }
-    match header.compression {
-        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
-            let inflated = fenced(|| inflate(&bytes, size));
-            inflated.unwrap_or_else(|| Err(contradiction(part, header)))
+    let decoded = match header.compression {
+        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => fenced(|| inflate(&bytes, size)),
+        compression => {
+            let section = IntegerBounds {
+                position: Vec2(area.columns.start as i32, area.rows.start as i32),
+                size: Vec2(columns, rows),
+            };
+            if is_dwa(compression) {
+                check_dwa_counters(&bytes, section.size, header)?;
+            }
+            fenced(|| compression.decompress_image_section_from_le(header, bytes, section, false))
+                .map(|bytes| Ok(words(&bytes?)))
         }
-        _ => decode_foreign(bytes, meta, part, place),
-    }
-}
-
-/// Lets the `exr` crate decompress a block.
-fn decode_foreign(
-    bytes: Vec<u8>,
-    meta: &MetaData,
-    part: usize,
-    place: BlockPlace,
-) -> Parsed<BlockWords> {
-    let header = &meta.headers[part];
-    if is_dwa(header.compression) {
-        check_dwa_counters(&bytes, block_size(place, header)?, header)?;
-    }
-    let chunk = Chunk {
-        layer_index: part,
-        compressed_block: compressed_block(bytes, place),
     };
-    match fenced(|| UncompressedBlock::decompress_chunk(chunk, meta, false)) {
-        Some(block) => Ok(words(&block?.data)),
-        None => Err(contradiction(part, header)),
-    }
+    decoded.unwrap_or_else(|| Err(contradiction(part, header)))
 }
 
 fn contradiction(part: usize, header: &Header) -> Fault {
@@ -215,35 +192,6 @@ fn part_name(index: usize, header: &Header) -> String {
     match &header.own_attributes.layer_name {
         Some(name) => format!("{:?}", text_of_bytes(name.as_slice())),
         None => index.to_string(),
-    }
-}
-
-fn block_size(place: BlockPlace, header: &Header) -> Parsed<Vec2<usize>> {
-    let tile = match place {
-        BlockPlace::Row(y) => header.get_scan_line_block_tile_coordinates(y)?,
-        BlockPlace::Tile(place) => tile_coordinates(place),
-    };
-    Ok(header.get_absolute_block_pixel_coordinates(tile)?.size)
-}
-
-fn compressed_block(compressed_pixels_le: Vec<u8>, place: BlockPlace) -> CompressedBlock {
-    match place {
-        BlockPlace::Row(y_coordinate) => CompressedBlock::ScanLine(CompressedScanLineBlock {
-            y_coordinate,
-            compressed_pixels_le,
-        }),
-        BlockPlace::Tile(place) => CompressedBlock::Tile(CompressedTileBlock {
-            coordinates: tile_coordinates(place),
-            compressed_pixels_le,
-        }),
-    }
-}
-
-/// Converts tile coordinates already compared with the expected ones, so none is negative.
-fn tile_coordinates([x, y, level_x, level_y]: [i32; 4]) -> TileCoordinates {
-    TileCoordinates {
-        tile_index: Vec2(x as usize, y as usize),
-        level_index: Vec2(level_x as usize, level_y as usize),
     }
 }
 

@@ -1,6 +1,5 @@
 //! Division of a part's pixels into blocks.
 
-use super::chunks::BlockPlace;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::TileDescription;
 use ::exr::meta::header::Header;
@@ -114,10 +113,10 @@ impl BandLayout {
     }
 
     /// The place expected in the chunk of block `block` in band `band`.
-    pub(super) fn place(&self, band: usize, block: usize) -> BlockPlace {
+    pub(super) fn place(&self, band: usize, block: usize) -> Vec<i32> {
         match self.tiled {
-            true => BlockPlace::Tile([block as i32, band as i32, 0, 0]),
-            false => BlockPlace::Row(self.top + (band * self.band_rows) as i32),
+            true => vec![block as i32, band as i32, 0, 0],
+            false => vec![self.top + (band * self.band_rows) as i32],
         }
     }
 }

@@ -1,13 +1,12 @@
 //! Reading channels: whole, or some rows of them.
 
 use super::chunks::ChunkReader;
-use super::decode::{COPIES, PictureRows, PlaneTarget, Slot, decode_block};
+use super::decode::{COPIES, PictureRows, PlaneTarget, decode_block};
 use super::fault::{Fault, Parsed};
 use super::layout::BandLayout;
 use super::{ChannelId, ExrFile};
 use crate::error::Result;
 use crate::frame::Plane;
-use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -65,10 +64,7 @@ impl ExrFile {
                 .iter()
                 .zip(&mut planes)
                 .filter(|(id, _)| id.part == part)
-                .map(|(id, plane)| PlaneTarget {
-                    slot: Slot::of_channel(header, id.channel),
-                    samples: plane.samples_mut(),
-                })
+                .map(|(id, plane)| PlaneTarget::of_channel(header, id.channel, plane.samples_mut()))
                 .collect();
             if !targets.is_empty() {
                 let blocks = PartBlocks::open(&mut chunks, part)?;
@@ -157,7 +153,7 @@ impl PartBlocks {
         rows: Range<usize>,
         target: PictureRows,
     ) -> Parsed<()> {
-        let meta = &chunks.exr.header.meta;
+        let header = &chunks.exr.header.meta.headers[self.part];
         let mut bands = self.bands(target, &rows).into_iter();
         let mut is_readable = true;
         let read = Mutex::new(std::iter::from_fn(|| {
@@ -175,7 +171,7 @@ impl PartBlocks {
             .with_max_len(1)
             .filter_map(|_| {
                 let faults = std::iter::from_fn(next).filter_map(|(mut band, blocks)| {
-                    let decoded = blocks.and_then(|b| self.decode_band(b, &mut band, meta));
+                    let decoded = blocks.and_then(|b| self.decode_band(b, &mut band, header));
                     Some((band.index, decoded.err()?))
                 });
                 faults.min_by_key(|&(index, _)| index)
@@ -212,7 +208,7 @@ impl PartBlocks {
             match chunk.part as usize == self.part && chunk.place == expected {
                 true => Ok(chunk.bytes),
                 false => Err(Fault::damaged(format!(
-                    "a block of pixels that should be {expected:?} of part {} is {:?} of part {}",
+                    "a block of pixels that should be at {expected:?} of part {} is at {:?} of part {}",
                     self.part, chunk.place, chunk.part
                 ))),
             }
@@ -224,18 +220,18 @@ impl PartBlocks {
         &self,
         blocks: Vec<Vec<u8>>,
         band: &mut WantedBand,
-        meta: &MetaData,
+        header: &Header,
     ) -> Parsed<()> {
-        let decode = |(i, bytes)| {
-            let area = self.layout.area(band.index, i);
-            let size = area.columns.len() * area.rows.len() * self.layout.pixel_bytes;
-            let place = self.layout.place(band.index, i);
-            decode_block(bytes, meta, self.part, place, size)
-        };
+        let area = |i: usize| self.layout.area(band.index, i);
+        let decode = |(i, bytes)| decode_block(bytes, header, self.part, &area(i));
         let decoded: Vec<_> = blocks.into_par_iter().enumerate().map(decode).collect();
         for (i, block) in decoded.into_iter().enumerate() {
-            let area = self.layout.area(band.index, i);
-            band.target.fill(&block?, &area, &band.rows, &self.layout);
+            band.target.fill(
+                &block?,
+                &self.layout.area(band.index, i),
+                &band.rows,
+                &self.layout,
+            );
         }
         Ok(())
     }
