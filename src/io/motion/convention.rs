@@ -4,73 +4,64 @@ use crate::frame::Window;
 use std::fmt;
 use std::str::FromStr;
 
-/// The unit of motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum MotionUnit {
-    /// A pixel.
-    Pixels,
-    /// A pixel, over a shutter that is open half the time from frame to frame.
-    PixelsOfHalfAFrame,
-    /// The width of the picture along x, its height along y.
-    Pictures,
-    /// Half of these: the picture is -1..1.
-    HalfPictures,
-    /// -1..1 of half pictures stored as 0..1.
-    EncodedHalfPictures,
-    /// -2048..2048 pixels stored as 0..1, as mental ray's LM_2DMV and Nuke's and After Effects' readers of it.
-    Encoded2048,
-}
-
-impl MotionUnit {
-    pub(super) const ALL: [Self; 6] = [
-        Self::Pixels,
-        Self::Pictures,
-        Self::HalfPictures,
-        Self::PixelsOfHalfAFrame,
-        Self::EncodedHalfPictures,
-        Self::Encoded2048,
-    ];
-
-    /// The number that stands for no motion.
-    fn rest(self) -> f32 {
-        match self {
-            Self::EncodedHalfPictures | Self::Encoded2048 => 0.5,
-            _ => 0.0,
-        }
-    }
-
-    /// Pixels of one unit, along x and y, of a picture shown in `display`.
-    fn pixels(self, display: Window) -> [f32; 2] {
-        let [width, height] = [display.width() as f32, display.height() as f32];
-        match self {
-            Self::Pixels => [1.0; 2],
-            Self::PixelsOfHalfAFrame => [2.0; 2],
-            Self::Pictures | Self::EncodedHalfPictures => [width, height],
-            Self::HalfPictures => [0.5 * width, 0.5 * height],
-            Self::Encoded2048 => [4096.0; 2],
-        }
-    }
-
+/// A unit of motion.
+struct MotionUnit {
     /// The name that `--motion-convention` gives it.
-    fn name(self) -> &'static str {
-        self.words().0
-    }
+    name: &'static str,
+    /// What it is.
+    said: &'static str,
+    /// The number that stands for no motion.
+    rest: f32,
+    /// So many pixels, and so many pictures: the width along x, the height along y.
+    pixels: f32,
+    pictures: f32,
+}
 
-    /// Its name, and what it is.
-    fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Pixels => ("pixels", "in pixels"),
-            Self::PixelsOfHalfAFrame => ("half-frame", "in pixels over half a frame"),
-            Self::Pictures => ("pictures", "in widths and heights of the picture"),
-            Self::HalfPictures => ("half-pictures", "in half widths and heights of the picture"),
-            Self::EncodedHalfPictures => (
-                "half-pictures-0-1",
-                "in half widths and heights of the picture, stored as 0..1",
-            ),
-            Self::Encoded2048 => ("2048-0-1", "in 2048 pixels, stored as 0..1"),
-        }
+const fn unit(
+    name: &'static str,
+    said: &'static str,
+    rest: f32,
+    [pixels, pictures]: [f32; 2],
+) -> MotionUnit {
+    MotionUnit {
+        name,
+        said,
+        rest,
+        pixels,
+        pictures,
     }
 }
+
+/// All units, the most usual first. Half a frame is how long a shutter is often open. 2048 pixels as 0..1 are those of mental
+/// ray's LM_2DMV and of Nuke's and After Effects' readers of it.
+static UNITS: [MotionUnit; 6] = [
+    unit("pixels", "in pixels", 0.0, [1.0, 0.0]),
+    unit(
+        "pictures",
+        "in widths and heights of the picture",
+        0.0,
+        [0.0, 1.0],
+    ),
+    unit(
+        "half-pictures",
+        "in half widths and heights of the picture",
+        0.0,
+        [0.0, 0.5],
+    ),
+    unit("half-frame", "in pixels over half a frame", 0.0, [2.0, 0.0]),
+    unit(
+        "half-pictures-0-1",
+        "in half widths and heights of the picture, stored as 0..1",
+        0.5,
+        [0.0, 1.0],
+    ),
+    unit(
+        "2048-0-1",
+        "in 2048 pixels, stored as 0..1",
+        0.5,
+        [4096.0, 0.0],
+    ),
+];
 
 /// How two channels hold motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +70,8 @@ pub(crate) struct MotionConvention {
     leads_ahead: bool,
     /// Whether y points up.
     y_is_up: bool,
-    unit: MotionUnit,
+    /// Its place among the units.
+    unit: usize,
 }
 
 impl MotionConvention {
@@ -87,12 +79,12 @@ impl MotionConvention {
     pub(super) const BACK: Self = Self {
         leads_ahead: false,
         y_is_up: true,
-        unit: MotionUnit::Pixels,
+        unit: 0,
     };
 
     /// Every convention that motion is tried for, the most usual first.
     pub(super) fn all() -> impl Iterator<Item = Self> {
-        MotionUnit::ALL.into_iter().flat_map(|unit| {
+        (0..UNITS.len()).flat_map(|unit| {
             [true, false].into_iter().flat_map(move |y_is_up| {
                 [false, true].map(|leads_ahead| Self {
                     leads_ahead,
@@ -105,22 +97,22 @@ impl MotionConvention {
 
     /// The way back to the frame before, in pixels, y up, that `stored` means in a picture shown in `display`.
     pub(super) fn back(self, stored: [f32; 2], display: Window) -> [f32; 2] {
-        let (rest, pixels) = (self.unit.rest(), self.unit.pixels(display));
+        let unit = &UNITS[self.unit];
+        let size = [display.width() as f32, display.height() as f32];
+        let pixels = size.map(|side| unit.pixels + unit.pictures * side);
         let sign = if self.leads_ahead { -1.0 } else { 1.0 };
         let up = if self.y_is_up { sign } else { -sign };
         [
-            sign * pixels[0] * (stored[0] - rest),
-            up * pixels[1] * (stored[1] - rest),
+            sign * pixels[0] * (stored[0] - unit.rest),
+            up * pixels[1] * (stored[1] - unit.rest),
         ]
     }
-}
 
-impl MotionConvention {
     /// The value of `--motion-convention` that is read as this.
     pub(super) fn flag(self) -> String {
         let lead = if self.leads_ahead { "forward" } else { "back" };
         let y = if self.y_is_up { "up" } else { "down" };
-        format!("{lead},{y},{}", self.unit.name())
+        format!("{lead},{y},{}", UNITS[self.unit].name)
     }
 }
 
@@ -143,9 +135,9 @@ impl FromStr for MotionConvention {
                     );
                 }
                 unit => {
-                    let named = MotionUnit::ALL.into_iter().find(|u| u.name() == unit);
+                    let named = UNITS.iter().position(|own| own.name == unit);
                     convention.unit = named.ok_or_else(|| {
-                        let units = MotionUnit::ALL.map(MotionUnit::name).join(", ");
+                        let units = UNITS.each_ref().map(|own| own.name).join(", ");
                         format!("expected auto, or of back or forward, up or down, and a unit ({units}), as in forward,down,pixels")
                     })?;
                 }
@@ -159,7 +151,7 @@ impl fmt::Display for MotionConvention {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lead = if self.leads_ahead { "on from" } else { "to" };
         let y = if self.y_is_up { "y up" } else { "y down" };
-        write!(f, "{lead} the frame before, {}, {y}", self.unit.words().1)
+        write!(f, "{lead} the frame before, {}, {y}", UNITS[self.unit].said)
     }
 }
 
@@ -172,25 +164,20 @@ mod tests {
         // A surface that came 8 px from the left and 6 px from below, in a picture of 400 x 200: back is (-8, -6), y up.
         let display = Window::from_size(400, 200);
         for (leads_ahead, y_is_up, unit, stored) in [
-            (false, true, MotionUnit::Pixels, [-8.0, -6.0]),
-            (true, false, MotionUnit::Pixels, [8.0, -6.0]),
-            (true, true, MotionUnit::PixelsOfHalfAFrame, [4.0, 3.0]),
-            (false, true, MotionUnit::Pictures, [-0.02, -0.03]),
-            (false, false, MotionUnit::HalfPictures, [-0.04, 0.06]),
+            (false, true, "pixels", [-8.0, -6.0]),
+            (true, false, "pixels", [8.0, -6.0]),
+            (true, true, "half-frame", [4.0, 3.0]),
+            (false, true, "pictures", [-0.02, -0.03]),
+            (false, false, "half-pictures", [-0.04, 0.06]),
             // -0.04 and -0.06 of -1..1 are 0.48 and 0.47 of 0..1.
-            (false, true, MotionUnit::EncodedHalfPictures, [0.48, 0.47]),
+            (false, true, "half-pictures-0-1", [0.48, 0.47]),
             // 8 and 6 of 2048, halved, beside 0.5.
-            (
-                true,
-                true,
-                MotionUnit::Encoded2048,
-                [0.501_953_1, 0.501_464_8],
-            ),
+            (true, true, "2048-0-1", [0.501_953_1, 0.501_464_8]),
         ] {
             let convention = MotionConvention {
                 leads_ahead,
                 y_is_up,
-                unit,
+                unit: UNITS.iter().position(|own| own.name == unit).unwrap(),
             };
             let [x, y] = convention.back(stored, display);
             assert!(
