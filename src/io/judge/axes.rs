@@ -4,7 +4,7 @@
 //! name; and the curl of slopes, which tells OpenGL from DirectX and nothing of x: with a warning.
 
 use super::integrability::Curl;
-use super::map_writers::{MapWriter, Told};
+use super::map_writers::MapWriter;
 use super::rims::Rims;
 use super::silhouettes::Silhouettes;
 use crate::frame::{Flip, Mask, Vector3Planes};
@@ -41,7 +41,7 @@ pub(crate) fn settle(
     writer: Option<&MapWriter>,
     is_layer: bool,
 ) -> SettledAxes {
-    let recorded = writer.filter(|writer| writer.told == Told::Recorded);
+    let recorded = writer.filter(|writer| writer.is_recorded);
     if let Some(writer) = recorded {
         return SettledAxes::new(writer.reversed, writer.to_string());
     }

@@ -6,29 +6,21 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
 
-/// How a program is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Told {
-    /// The file records it.
-    Recorded,
-    /// By the file's name alone.
-    Named,
-}
-
 /// The program that wrote a map.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MapWriter {
     name: String,
-    pub(crate) told: Told,
+    /// Whether the file records it, rather than its name alone.
+    pub(crate) is_recorded: bool,
     /// Whether it reverses x, and y.
     pub(crate) reversed: [bool; 2],
 }
 
 impl fmt::Display for MapWriter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let by = match self.told {
-            Told::Recorded => "as the file records",
-            Told::Named => "by its name",
+        let by = match self.is_recorded {
+            true => "as the file records",
+            false => "by its name",
         };
         let axes = match self.reversed {
             [true, _] => "whose x points left",
@@ -80,7 +72,7 @@ fn named(path: &Path) -> Option<MapWriter> {
     let (_, name, reversed) = NAMES.iter().find(|(word, ..)| stands_in(word))?;
     Some(MapWriter {
         name: (*name).into(),
-        told: Told::Named,
+        is_recorded: false,
         reversed: *reversed,
     })
 }
@@ -104,7 +96,7 @@ fn recorded(path: &Path) -> Option<MapWriter> {
     let name = estimator(&serde_json::from_str(&text).ok()?)?;
     Some(MapWriter {
         name: format!("{name} of ComfyUI"),
-        told: Told::Recorded,
+        is_recorded: true,
         reversed: X_LEFT,
     })
 }
@@ -214,17 +206,17 @@ mod tests {
         use png::text_metadata::{EncodableTextChunk, ITXtChunk, TEXtChunk};
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        fn told(path: &Path, chunk: &impl EncodableTextChunk) -> Option<(Told, [bool; 2])> {
+        fn told(path: &Path, chunk: &impl EncodableTextChunk) -> Option<(bool, [bool; 2])> {
             let file = std::fs::File::create(path).unwrap();
             let mut writer = png::Encoder::new(file, 1, 1).write_header().unwrap();
             writer.write_text_chunk(chunk).unwrap();
             writer.write_image_data(&[0]).unwrap();
             drop(writer);
-            MapWriter::of(path).map(|writer| (writer.told, writer.reversed))
+            MapWriter::of(path).map(|writer| (writer.is_recorded, writer.reversed))
         }
         let nodes = r#"{"1": {"class_type": "DSINE-NormalMapPreprocessor", "inputs": {}},
             "2": {"class_type": "SaveImage", "inputs": {"images": ["1", 0]}}}"#;
-        let recorded = Some((Told::Recorded, X_LEFT));
+        let recorded = Some((true, X_LEFT));
         assert_eq!(told(&path, &TEXtChunk::new("prompt", nodes)), recorded);
         let long = format!("{nodes}{}", " ".repeat(2 * MOST_TEXT));
         for (text, expected) in [(nodes, recorded), (&long, None)] {
