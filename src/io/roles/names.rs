@@ -250,45 +250,33 @@ pub(crate) fn hint_of_depth_file(path: &Path) -> (Hint, String) {
     }
 }
 
-/// A program that writes layers, and the defaults for its layers unless a name is more specific.
-struct Renderer {
-    name: &'static str,
-    /// Prefixes of the names of attributes in its files, in lower case.
-    attributes: &'static [&'static str],
-    hint: Hint,
-}
-
-const fn renderer(name: &'static str, attributes: &'static [&'static str], hint: Hint) -> Renderer {
-    Renderer {
-        name,
-        attributes,
-        hint,
-    }
-}
+/// A program that writes layers, the prefixes of the names of attributes in its files, in lower case, and the defaults for
+/// its layers unless a name is more specific.
+type Renderer = (&'static str, &'static [&'static str], Hint);
 
 /// Renderers recognised by attributes, or by their names in those of [`MAKERS`], with the implications for their layers.
 const RENDERERS: &[Renderer] = &[
-    renderer("Blender", &["cycles."], Hint::WORLD.and(Planar)),
-    renderer("Arnold", &["arnold/"], Hint::WORLD.and(Planar)),
-    renderer(
+    ("Blender", &["cycles."], Hint::WORLD.and(Planar)),
+    ("Arnold", &["arnold/"], Hint::WORLD.and(Planar)),
+    (
         "V-Ray",
         &["vray", "camerafov"],
         Hint::VIEW.and(NormalizedNearIsOne),
     ),
-    renderer("RenderMan", &["rman"], Hint::depth(Planar)),
-    renderer("Redshift", &["rs/"], Hint::WORLD.and(Planar)),
-    renderer("Karma", &["karma"], Hint::WORLD),
-    renderer("Mantra", &["mantra"], Hint::VIEW.and(Planar)),
-    renderer("Octane", &["octane"], Hint::depth(Ray)),
-    renderer("Corona", &["corona"], Hint::VIEW),
-    renderer("Mitsuba", &["mitsuba"], Hint::WORLD.and(Ray)),
-    renderer(
+    ("RenderMan", &["rman"], Hint::depth(Planar)),
+    ("Redshift", &["rs/"], Hint::WORLD.and(Planar)),
+    ("Karma", &["karma"], Hint::WORLD),
+    ("Mantra", &["mantra"], Hint::VIEW.and(Planar)),
+    ("Octane", &["octane"], Hint::depth(Ray)),
+    ("Corona", &["corona"], Hint::VIEW),
+    ("Mitsuba", &["mitsuba"], Hint::WORLD.and(Ray)),
+    (
         "pbrt",
         &["rendertimeseconds", "samplesperpixel"],
         Hint::VIEW,
     ),
-    renderer("Nuke", &["nuke/"], Hint::depth(Inverse)),
-    renderer("Unreal", &["unreal/"], Hint::WORLD.and(Planar)),
+    ("Nuke", &["nuke/"], Hint::depth(Inverse)),
+    ("Unreal", &["unreal/"], Hint::WORLD.and(Planar)),
 ];
 
 /// Attributes that name the program a file was made with.
@@ -306,14 +294,13 @@ fn renderer_of(file: &ExrFile) -> Option<&'static Renderer> {
         .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text))
         .collect();
     // A file rewritten by Nuke still has its renderer's layers.
-    RENDERERS.iter().find(|renderer| {
+    RENDERERS.iter().find(|(renderer, prefixes, _)| {
         attributes.iter().any(|(name, text)| {
-            let starts = |mark: &&str| name.starts_with(mark);
-            renderer.attributes.iter().any(starts)
+            prefixes.iter().any(|mark| name.starts_with(mark))
                 || is_one_of(name, MAKERS)
                     && text
                         .to_ascii_lowercase()
-                        .contains(&renderer.name.to_ascii_lowercase())
+                        .contains(&renderer.to_ascii_lowercase())
         })
     })
 }
@@ -327,11 +314,11 @@ pub(crate) fn hint(layer: &str, space: Option<NormalSpace>, file: &ExrFile) -> (
     }
     let renderer = renderer_of(file);
     if space.is_some() {
-        let depth = renderer.and_then(|renderer| renderer.hint.depth);
+        let depth = renderer.and_then(|(.., hint)| hint.depth);
         return (Hint { space, depth }, format!("by its name, {word}"));
     }
     match renderer {
-        Some(renderer) => (renderer.hint, format!("as {} writes it", renderer.name)),
+        Some((name, _, hint)) => (*hint, format!("as {name} writes it")),
         None => (Hint::default(), String::new()),
     }
 }
