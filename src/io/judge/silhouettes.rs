@@ -78,17 +78,18 @@ impl Silhouettes {
             };
             line.scan(&mut found, 0);
         }
-        let columns: Vec<usize> = (0..width).step_by(width.div_ceil(LINES).max(1)).collect();
-        let covered = upward(mask.plane(), &columns);
-        let depths = depth.map(|(depth, range)| (upward(depth, &columns), range));
-        for (j, &x) in columns.iter().enumerate() {
-            let column = j * height..(j + 1) * height;
+        // Upward, as y of normals is.
+        for x in (0..width).step_by(width.div_ceil(LINES).max(1)) {
+            let upward = |i: usize| height - 1 - i;
+            let covered: Vec<bool> = (0..height).map(|i| mask.at(x, upward(i))).collect();
+            let depths = depth.map(|(depth, range)| {
+                let depths = (0..height).map(|i| depth.at(x, upward(i)));
+                (depths.collect::<Vec<f32>>(), range)
+            });
             let line = RowOrColumn {
-                covered: &covered[column.clone()],
-                depth: depths
-                    .as_ref()
-                    .map(|(depths, range)| (&depths[column], *range)),
-                normal: &|i| normal.y.at(x, height - 1 - i),
+                covered: &covered,
+                depth: depths.as_ref().map(|(depths, range)| (&depths[..], *range)),
+                normal: &|i| normal.y.at(x, upward(i)),
             };
             line.scan(&mut found, 1);
         }
@@ -115,20 +116,6 @@ impl Silhouettes {
             .any(Option::is_some)
             .then(|| pairs.all(|(shown, axis)| shown.is_none_or(|shown| shown == axis)))
     }
-}
-
-/// Some columns of a plane, one after another, each upward as y of normals is.
-fn upward<T: Copy + Default>(plane: &Plane<T>, columns: &[usize]) -> Vec<T> {
-    let height = plane.height();
-    let mut samples = vec![T::default(); columns.len() * height];
-    // Row by row: to go along columns takes a page of memory for every sample.
-    for y in 0..height {
-        let row = plane.row(y);
-        for (j, &x) in columns.iter().enumerate() {
-            samples[(j + 1) * height - 1 - y] = row[x];
-        }
-    }
-    samples
 }
 
 /// A row or a column of the picture, along an axis of its normals.
