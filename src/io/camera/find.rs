@@ -2,7 +2,7 @@
 
 use super::attributes::{CameraCandidate, candidates, is_mirrored};
 use super::samples::quantile;
-use super::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
+use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
@@ -38,11 +38,8 @@ pub(in crate::io) struct CameraSearch<'a> {
 pub(in crate::io) struct FoundCamera {
     pub(in crate::io) camera: Camera,
     evidence: String,
-    /// One standard error of its turn, and the angle that is left between normals and depth, in degrees.
-    pub(in crate::io) turn_error_deg: Option<f64>,
-    pub(in crate::io) residual_deg: Option<f64>,
-    /// Why it is a guess, if it is one.
-    doubt: Option<&'static str>,
+    /// What was found of depth and normals, if it was.
+    pub(in crate::io) by_depth: Option<DepthCamera>,
 }
 
 impl FoundCamera {
@@ -50,9 +47,18 @@ impl FoundCamera {
         Self {
             camera,
             evidence,
-            turn_error_deg: None,
-            residual_deg: None,
-            doubt: None,
+            by_depth: None,
+        }
+    }
+
+    /// Why it is a guess, if it is one.
+    fn doubt(&self) -> Option<&'static str> {
+        match self.by_depth? {
+            found if found.is_scattered => Some("blur scatters the depth"),
+            found if found.has_equal => {
+                Some("perspective and parallel lines of sight explain the depth nearly as well")
+            }
+            _ => None,
         }
     }
 }
@@ -195,17 +201,8 @@ impl<'a> CameraSearch<'a> {
             found.rotation_uncertainty_deg,
             100.0 * found.focal_uncertainty
         );
-        let doubt = match found {
-            found if found.is_scattered => Some("blur scatters the depth"),
-            found if found.has_equal => {
-                Some("perspective and parallel lines of sight explain the depth nearly as well")
-            }
-            _ => None,
-        };
         Some(FoundCamera {
-            doubt,
-            turn_error_deg: Some(found.rotation_uncertainty_deg),
-            residual_deg: Some(found.residual_deg_median),
+            by_depth: Some(found),
             ..FoundCamera::new(found.camera, evidence)
         })
     }
@@ -217,7 +214,7 @@ impl<'a> CameraSearch<'a> {
             (None, Some(failure)) => failure.to_string(),
             (None, None) => return,
         };
-        self.doubt = found.and_then(|found| found.doubt);
+        self.doubt = found.and_then(FoundCamera::doubt);
         self.findings.push(Finding {
             subject: CAMERA.into(),
             conclusion: found.map_or("unknown".into(), |found| described(&found.camera)),

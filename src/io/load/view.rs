@@ -253,16 +253,13 @@ impl Reading {
     /// Whether the camera found from depth and normals, taken for view space, is turned after all.
     fn is_turned(&self, found: &FoundCamera) -> bool {
         let turn = turn_deg(found.camera.view_from_world.matrix3);
-        let (Some(errors), Some(slope)) =
-            (found.turn_error_deg, self.verdict.evidence.view.slope_deg)
-        else {
+        let slope = self.verdict.evidence.view.slope_deg;
+        let (Some(found), Some(slope)) = (found.by_depth, slope) else {
             return false;
         };
         self.could_be_turned()
-            && turn > LEAST_TURN_DEG.max(TURN_ERRORS * errors)
-            && found
-                .residual_deg
-                .is_some_and(|left| left < TURN_LEAVES * slope)
+            && turn > LEAST_TURN_DEG.max(TURN_ERRORS * found.rotation_uncertainty_deg)
+            && found.residual_deg_median < TURN_LEAVES * slope
     }
 
     /// Takes the reading implied by a name or the renderer, if the data leave it open; whether they did.
