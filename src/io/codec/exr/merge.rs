@@ -9,7 +9,6 @@ use super::read::PartBlocks;
 use super::sink::ChunkSink;
 use super::write::{
     PartDescription, ReadyPart, SampleSource, channel_entry, set_added, sorted_channels,
-    typed_header,
 };
 use super::{ExrFile, OutputCompression};
 use crate::error::{Error, Result};
@@ -94,16 +93,8 @@ fn ready(
     set_added(&mut attributes, added)?;
     let (list, sources) = merged_channels(input, part, added)?;
     attributes.set("channels", "chlist", list);
-    // The number of chunks follows from the rest.
     attributes.remove("chunkCount");
-    let header = typed_header(&attributes, target)?;
-    attributes.set_int("chunkCount", header.chunk_count as i32);
-    let ready = ReadyPart {
-        attributes,
-        header,
-        sources,
-    };
-    Ok((ready, warnings))
+    Ok((ReadyPart::of(attributes, sources, target)?, warnings))
 }
 
 /// The channel list of the part with those `added`, and where each comes from.

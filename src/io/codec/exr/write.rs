@@ -2,7 +2,6 @@
 
 use super::OutputCompression;
 use super::attributes::{Attributes, MAX_NAME};
-use super::fault::Fault;
 use super::header::{VERSION, typed};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
@@ -127,23 +126,28 @@ impl ReadyPart {
         if let Some(shared) = shared {
             share(&mut attributes, shared);
         }
-        let header = typed_header(&attributes, target)?;
-        attributes.set_int("chunkCount", header.chunk_count as i32);
-        attributes.sort();
         let given = |&i: &usize| SampleSource::Given(i, part.channels[i].1);
+        let sources = order.iter().map(given).collect();
+        let mut ready = Self::of(attributes, sources, target)?;
+        ready.attributes.sort();
+        Ok(ready)
+    }
+
+    /// The part with these attributes, but for the number of chunks, which follows from them.
+    pub(super) fn of(
+        mut attributes: Attributes,
+        sources: Vec<SampleSource>,
+        target: &Path,
+    ) -> Result<Self> {
+        let typed = typed(VERSION, std::slice::from_ref(&attributes));
+        let header = typed.map_err(|fault| fault.at(target))?.headers.remove(0);
+        attributes.set_int("chunkCount", header.chunk_count as i32);
         Ok(ReadyPart {
-            header,
             attributes,
-            sources: order.iter().map(given).collect(),
+            header,
+            sources,
         })
     }
-}
-
-/// The header of a part as the `exr` crate understands it.
-pub(super) fn typed_header(attributes: &Attributes, target: &Path) -> Result<Header> {
-    let meta = typed(VERSION, std::slice::from_ref(attributes)).map_err(|f| f.at(target))?;
-    let header = meta.headers.into_iter().next();
-    header.ok_or_else(|| Fault::damaged("has no part").at(target))
 }
 
 /// The indices of the channels, in the order of their names.
