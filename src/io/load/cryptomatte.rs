@@ -8,7 +8,6 @@ use crate::error::{Error, Result};
 use crate::frame::Plane;
 use crate::io::exr::{ChannelId, ExrFile, SampleType};
 use crate::io::open::read_text;
-use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -124,20 +123,10 @@ fn manifest_text<'f>(
 
 /// Names and numbers of objects; `None` where they cannot be read.
 fn manifest(text: &str) -> Option<BTreeMap<String, u32>> {
-    let numbers: BTreeMap<String, Hex> = serde_json::from_str(text).ok()?;
+    let numbers: BTreeMap<String, String> = serde_json::from_str(text).ok()?;
     let numbers = numbers.into_iter();
-    let numbers = numbers.filter_map(|(name, Hex(number))| Some((name, number?)));
+    let numbers = numbers.filter_map(|(name, number)| Some((name, parsed(&number)?)));
     Some(numbers.collect())
-}
-
-/// A number as a manifest spells it, of which there may be millions; `None` where it is none.
-struct Hex(Option<u32>);
-
-impl<'de> Deserialize<'de> for Hex {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
-        let text = Cow::<str>::deserialize(from)?;
-        Ok(Self(parsed(&text)))
-    }
 }
 
 /// The number of an object of this name: its MurmurHash3 (32 bits, seed 0), with one bit flipped if the float of these
