@@ -1,7 +1,7 @@
 //! Opening inputs: ordinary files alone, and never waiting for one.
 
 use crate::error::{Error, Result};
-use std::fs::{self, File, Metadata, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,10 @@ pub(crate) fn open_input(path: &Path) -> io::Result<File> {
     let data = file.metadata()?;
     match data.is_file() {
         true => Ok(file),
-        false => Err(io::Error::other(what_it_is(&data))),
+        false => Err(io::Error::other(match data.is_dir() {
+            true => "it is a directory; name a file",
+            false => "it is a pipe or a device; save what it gives as a file first",
+        })),
     }
 }
 
@@ -65,13 +68,6 @@ pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
         }
     };
     read().map_err(Error::io(path, "read"))
-}
-
-fn what_it_is(data: &Metadata) -> &'static str {
-    match data.is_dir() {
-        true => "it is a directory; name a file",
-        false => "it is a pipe or a device; save what it gives as a file first",
-    }
 }
 
 #[cfg(test)]

@@ -81,10 +81,9 @@ impl CameraPicture {
 
     /// A centred lens of this horizontal field of view.
     fn lens(&self, half_tan: f64) -> Option<Projection> {
-        let middle = self.corner() + 0.5 * self.size();
         let fx = 0.5 * self.size().x / half_tan;
         let is_lens = half_tan > 0.0 && fx.is_finite();
-        is_lens.then(|| Projection::new(false, [fx, fx * self.aspect], middle))
+        is_lens.then(|| Projection::new(false, [fx, fx * self.aspect], self.display.center()))
     }
 }
 
@@ -303,8 +302,9 @@ impl Ndc {
         );
         let far = seen(1.0, 0.0, -2.0);
         let (x, y) = (right.x - here.x, here.y - up.y);
-        let middle = picture.corner() + 0.5 * picture.size();
-        let shift = ((here - middle) / picture.size()).abs().max_element();
+        let shift = ((here - picture.display.center()) / picture.size())
+            .abs()
+            .max_element();
         // Both axes must give the same pixel size: reading 0..1 as -1..1 keeps that, but moves the view axis.
         let square = (y / (x * picture.aspect) - 1.0).abs() < 0.02;
         if !(x > 0.0 && y > 0.0 && shift < MOST_SHIFT && square && far.is_finite()) {

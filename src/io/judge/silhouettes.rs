@@ -45,22 +45,19 @@ impl Votes {
         }
     }
 
-    fn and(mut self, other: Self) -> Self {
-        let counts = self.0.as_flattened_mut().as_flattened_mut();
-        for (own, more) in counts.iter_mut().zip(other.0.as_flattened().as_flattened()) {
-            *own += more;
-        }
-        self
-    }
-
-    /// Whether normals point inward along an axis; `None` where both sides do not show the same.
-    fn points_inward(&self, axis: usize) -> Option<bool> {
-        let side = |[inward, outward]: [usize; 2]| {
+    /// Whether normals point inward along an axis by both of these votes; `None` where the two sides do not show the same.
+    fn points_inward(both: [&Self; 2], axis: usize) -> Option<bool> {
+        let side = |along: usize| {
+            let [inward, outward] = [0, 1].map(|way| {
+                both.map(|votes| votes.0[axis][along][way])
+                    .iter()
+                    .sum::<usize>()
+            });
             let (all, most) = (inward + outward, inward.max(outward));
             let shows = all >= FEWEST && most as f64 >= AGREE * all as f64;
             shows.then_some(inward > outward)
         };
-        let [against, along] = self.0[axis].map(side);
+        let [against, along] = [0, 1].map(side);
         against.filter(|_| against == along)
     }
 }
@@ -99,12 +96,12 @@ impl Silhouettes {
     /// Whether x and y are reversed, as far as outlines show: those of coverage alone, or also jumps of depth that rises or
     /// falls away from the viewer.
     pub(crate) fn reversed(&self, rises: Option<bool>) -> [Option<bool>; 2] {
-        let votes = match rises {
-            Some(true) => self.ends.and(self.lower),
-            Some(false) => self.ends.and(self.higher),
-            None => self.ends,
+        let jumps = match rises {
+            Some(true) => &self.lower,
+            Some(false) => &self.higher,
+            None => &Votes::default(),
         };
-        [0, 1].map(|axis| votes.points_inward(axis))
+        [0, 1].map(|axis| Votes::points_inward([&self.ends, jumps], axis))
     }
 
     /// Whether outlines show these axes reversed, of depth that rises or falls; `None` where they show too little.

@@ -202,9 +202,8 @@ const ROWS_AT_A_TIME: usize = 64;
 struct Reduced {
     from: [usize; 2],
     planes: [Plane; 3],
-    /// Sums for the current row, and the number of rows in them.
+    /// Sums for the current row.
     sums: [Vec<f64>; 3],
-    summed: usize,
     /// Number of source rows read, and number of rows completed.
     rows: usize,
     made: usize,
@@ -227,7 +226,6 @@ impl Reduced {
             from,
             planes: std::array::from_fn(|_| Plane::filled(width, height, 0.0)),
             sums: std::array::from_fn(|_| vec![0.0; width]),
-            summed: 0,
             rows: 0,
             made: 0,
         }
@@ -253,18 +251,17 @@ impl Reduced {
                 *sum += total / covered.len() as f64;
             }
         }
-        self.summed += 1;
         self.rows += 1;
         let y = self.made;
         // The current row ends where the next one begins.
         if self.rows == (y + 1) * from_height / height {
+            let count = self.rows - y * from_height / height;
             for (sums, plane) in self.sums.iter_mut().zip(&mut self.planes) {
                 for (sum, v) in sums.iter_mut().zip(plane.row_mut(y)) {
-                    *v = (*sum / self.summed as f64) as f32;
+                    *v = (*sum / count as f64) as f32;
                     *sum = 0.0;
                 }
             }
-            self.summed = 0;
             self.made += 1;
         }
     }

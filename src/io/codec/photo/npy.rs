@@ -45,7 +45,6 @@ impl NumberFormat {
 pub(super) struct NpyHeader {
     /// Of each axis its size, and how many numbers its neighbours are apart.
     axes: Vec<(usize, usize)>,
-    sizes: Vec<usize>,
     pub(super) number: NumberFormat,
 }
 
@@ -116,7 +115,6 @@ impl NpyHeader {
         }
         Ok(Self {
             axes,
-            sizes,
             number: NumberFormat {
                 kind,
                 bytes,
@@ -141,7 +139,7 @@ impl NpyHeader {
     }
 
     pub(super) fn no_picture(&self, path: &Path) -> Error {
-        let sizes = &self.sizes;
+        let sizes: Vec<_> = self.axes.iter().map(|(size, _)| size).collect();
         unsupported(path, &format!("is an array of {sizes:?}, and no picture"))
     }
 }
