@@ -13,7 +13,6 @@ pub(super) mod gloss;
 #[cfg(feature = "cli")]
 pub(super) mod in_strips;
 pub(super) mod light_layers;
-pub(super) mod normals_of_points;
 pub(super) mod notes;
 pub(super) mod objects;
 pub(super) mod opened;

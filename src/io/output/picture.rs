@@ -139,9 +139,8 @@ pub(crate) struct Displayed<'a> {
     /// How linear light is stored.
     bits: u8,
     dpi: Option<[f32; 2]>,
-    view: DisplayView,
+    display: DisplayParams,
     exposure: f32,
-    highlights: Highlights,
 }
 
 #[cfg(feature = "cli")]
@@ -174,7 +173,11 @@ impl Displayed<'_> {
                 ..Picture::of(&self.color, transform)
             };
         }
-        let bright = match (self.view, self.highlights, &self.before) {
+        let bright = match (
+            self.display.view_transform,
+            self.display.highlights,
+            &self.before,
+        ) {
             (DisplayView::Agx, ..) => Bright::Agx,
             (DisplayView::Filmic, ..) => Bright::Filmic,
             (_, Highlights::Clip, _) => Bright::Clipped,
@@ -189,7 +192,7 @@ impl Displayed<'_> {
                 exposure: self.exposure,
                 bright,
             },
-            ..Picture::of(&self.color, transform(self.view))
+            ..Picture::of(&self.color, transform(self.display.view_transform))
         }
     }
 }
@@ -220,18 +223,14 @@ impl Params {
         chosen: Option<f32>,
     ) -> Displayed<'a> {
         let made = made.printed();
-        let DisplayParams {
-            exposure,
-            highlights,
-            view_transform: view,
-        } = self.display;
+        let is_linear = self.display.view_transform == DisplayView::None;
         let turn = primaries.and_then(rec709_from);
-        let turn = turn.filter(|_| view != DisplayView::None && made.form == Form::Light);
+        let turn = turn.filter(|_| !is_linear && made.form == Form::Light);
         let turned = |color: Cow<'a, ColorPlanes>| match turn {
             Some(matrix) => Cow::Owned(converted(&color, matrix)),
             None => color,
         };
-        let exposure = match exposure {
+        let exposure = match self.display.exposure {
             Exposure::Auto => chosen.unwrap_or(0.0),
             Exposure::Stops(stops) => stops,
         };
@@ -242,9 +241,8 @@ impl Params {
             form: made.form,
             bits,
             dpi: self.dpi(frame.pixel_aspect),
-            view,
+            display: self.display,
             exposure,
-            highlights,
         }
     }
 }
