@@ -65,14 +65,14 @@ impl DisplayMapping<'_> {
         color: [f64; 3],
         of: impl FnOnce(&ColorPlanes) -> [f64; 3],
     ) -> [f64; 3] {
-        let color = color.map(|v| self.gain * v);
+        let color = times(self.gain, color);
         match self.bright {
             Bright::Clipped => color,
             Bright::Agx => agx(color),
             Bright::Filmic => filmic(color),
             Bright::Compressed => compressed(color, KNEE),
             Bright::ChangedFrom(before) => {
-                let before = of(before).map(|v| self.gain * v);
+                let before = times(self.gain, of(before));
                 compressed(changed(color, before), KNEE.max(largest(before)))
             }
         }
@@ -103,21 +103,31 @@ impl DisplayMapping<'_> {
 
 /// The change from `before`, applied to it clipped at white.
 #[inline(always)]
-fn changed(color: [f64; 3], before: [f64; 3]) -> [f64; 3] {
+fn changed([r, g, b]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
     let shown = |v: f64| if v.is_finite() { v.max(1.0) } else { 1.0 };
-    std::array::from_fn(|i| color[i] / shown(before[i]))
+    [
+        r / shown(before[0]),
+        g / shown(before[1]),
+        b / shown(before[2]),
+    ]
 }
 
 /// A colour whose brightness above the knee stays below white: by a hyperbola whose slope at the knee is 1.
 #[inline(always)]
 fn compressed(color: [f64; 3], knee: f64) -> [f64; 3] {
     let brightest = largest(color);
-    let stays = (brightest <= knee) | (knee >= WHITE) | !brightest.is_finite();
+    if brightest <= knee || knee >= WHITE || !brightest.is_finite() {
+        return color;
+    }
     let room = WHITE - knee;
     let beyond = (brightest - knee) / room;
     let below_white = knee + room * (1.0 - 1.0 / (1.0 + beyond));
-    let factor = if stays { 1.0 } else { below_white / brightest };
-    color.map(|v| factor * v)
+    times(below_white / brightest, color)
+}
+
+#[inline(always)]
+fn times(factor: f64, [r, g, b]: [f64; 3]) -> [f64; 3] {
+    [factor * r, factor * g, factor * b]
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
 use super::scale_bar::Bar;
 use super::stored::{Storable, unwritten};
-use super::straight::straight;
+use super::straight::{rows_of, straight};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
+use crate::frame::{MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::max_code;
 use crate::params::ScaleBar;
 use image::ImageResult;
@@ -257,15 +257,18 @@ impl CodedRows<'_> {
         stored: impl Fn(u16) -> T,
     ) {
         let (transform, max) = (self.picture.transform, self.max);
-        let (color, mapping) = (self.picture.primaries(), self.picture.mapping());
+        let (mapping, alphas) = (self.picture.mapping(), self.alpha.map(|plane| plane.row(y)));
+        let rows = self.picture.primaries().map(|plane| plane.row(y));
         for (x, pixel) in row.as_chunks_mut::<N>().0.iter_mut().enumerate() {
-            let of = |color: [&Plane; 3]| straight(color, self.alpha, [x, y], max);
-            let (mut color, alpha) = of(color);
+            let of = |rows: [&[f32]; 3]| straight(rows, alphas, x, max);
+            let (mut color, alpha) = of(rows);
             if let Some(mapping) = mapping {
-                color = mapping.shown(color, |ColorPlanes { r, g, b }| of([r, g, b]).0);
+                color = mapping.shown(color, |before| of(rows_of(before, y)).0);
             }
-            let [r, g, b] = color.map(|v| code(v, transform, max));
-            let codes = [r, g, b, code(alpha, ViewTransform::None, max)];
+            let coded = |v: f64| code(v, transform, max);
+            let [r, g, b] = color;
+            let alpha = code(alpha, ViewTransform::None, max);
+            let codes = [coded(r), coded(g), coded(b), alpha];
             for (sample, code) in pixel.iter_mut().zip(codes) {
                 *sample = stored(code);
             }

@@ -1,23 +1,29 @@
 //! Colours divided by the alpha that is stored with them.
 
-use crate::frame::Plane;
+use crate::frame::ColorPlanes;
 
 /// A number within 0..1, which codes can hold; 0 for NaN.
 pub(super) fn clipped(v: f64) -> f64 {
     if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
 }
 
-/// The colour at a pixel divided by alpha, and the alpha to be stored as a code up to `max`.
+/// The rows `y` of red, green and blue.
+pub(super) fn rows_of(ColorPlanes { r, g, b }: &ColorPlanes, y: usize) -> [&[f32]; 3] {
+    [r.row(y), g.row(y), b.row(y)]
+}
+
+/// The colour in column `x` of these rows divided by alpha, and the alpha to be stored as a code up to `max`.
 #[inline(always)]
 pub(super) fn straight(
-    [r, g, b]: [&Plane; 3],
-    alpha: Option<&Plane>,
-    [x, y]: [usize; 2],
+    [r, g, b]: [&[f32]; 3],
+    alpha: Option<&[f32]>,
+    x: usize,
     max: u32,
 ) -> ([f64; 3], f64) {
-    let at = |plane: &Plane| f64::from(plane.at(x, y));
-    let color = [at(r), at(g), at(b)];
-    let stored = stored_alpha(color, alpha.map_or(1.0, at), 0.5 / f64::from(max));
+    // An array that is mapped is not always inlined.
+    let color = [r[x].into(), g[x].into(), b[x].into()];
+    let alpha = alpha.map_or(1.0, |row| row[x].into());
+    let stored = stored_alpha(color, alpha, 0.5 / f64::from(max));
     (divided(color, stored), stored)
 }
 
@@ -34,8 +40,12 @@ fn stored_alpha(color: [f64; 3], alpha: f64, least: f64) -> f64 {
 /// A colour divided by the alpha that is stored with it.
 #[inline(always)]
 fn divided([r, g, b]: [f64; 3], alpha: f64) -> [f64; 3] {
-    let divided = |v: f64| if alpha == 0.0 { 0.0 } else { v / alpha };
-    [divided(r), divided(g), divided(b)]
+    match alpha {
+        0.0 => [0.0; 3],
+        // Most pixels are opaque.
+        1.0 => [r, g, b],
+        _ => [r / alpha, g / alpha, b / alpha],
+    }
 }
 
 /// The largest channel, at least 0.

@@ -2,7 +2,7 @@
 
 use super::display::WHITE;
 use super::format::Picture;
-use super::straight::{largest, straight};
+use super::straight::{largest, rows_of, straight};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Mask};
 use crate::io::photo::max_code;
 use rayon::prelude::*;
@@ -49,11 +49,10 @@ impl Whites {
         let mapping = picture.display.mapping();
         let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
         let of_row = |y: usize| {
-            let mut whites = Self::default();
+            let (mut whites, alphas) = (Self::default(), picture.alpha.map(|plane| plane.row(y)));
             for x in mask.runs(y).flatten() {
-                let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
-                    straight([r, g, b], picture.alpha, [x, y], max_code(8)).0
-                };
+                let of =
+                    |color: &ColorPlanes| straight(rows_of(color, y), alphas, x, max_code(8)).0;
                 whites.of += 1;
                 whites.count += is_white(mapping.shown(of(picture.color), of));
                 whites.before += before.map_or(0, |before| is_white(of(before)));
