@@ -10,29 +10,15 @@ use crate::io::finding::{Finding, Notes};
 use crate::io::inputs::{Inputs, NormalEncoding};
 use crate::io::judge::normal_encoding::{judge_encoding, refuse_light, refuse_pictures};
 use crate::io::roles::Role;
-use crate::untrusted::{Untrusted, shown};
+use crate::untrusted::{Untrusted, listed, shown};
 use std::rc::Rc;
 
-/// Most characters of a line with evidence and its flag.
-const LINE: usize = 80;
-
-/// Why a layer was chosen, and as many of the others as the line has room for beside the `flag`.
-fn evidence(chosen: &WhyChosen, flag: &str) -> String {
-    let WhyChosen { why, others } = chosen;
-    let Some(first) = others.first() else {
-        return why.clone();
-    };
-    let all = format!("{why}; or {}", others.join(", "));
-    let (some, few) = match others.len() - 1 {
-        0 => (None, format!("{why}; or one other")),
-        more => (
-            Some(format!("{why}; or {first}, {more} more")),
-            format!("{why}; or {} others", more + 1),
-        ),
-    };
-    let fits = |text: &String| text.chars().count() + flag.chars().count() <= LINE;
-    let mut full = [Some(all), some].into_iter().flatten();
-    full.find(fits).unwrap_or(few)
+/// Why a layer was chosen, and the others that could have been.
+fn evidence(WhyChosen { why, others }: &WhyChosen) -> String {
+    match others.is_empty() {
+        true => why.clone(),
+        false => format!("{why}; or {}", listed(others)),
+    }
 }
 
 /// Up to this share of samples of depth that were missing is not worth a word, percent.
@@ -72,7 +58,7 @@ impl Notes {
                 subject: source.role.name(),
                 conclusion: source.label().into(),
                 evidence: match &source.chosen {
-                    Some(chosen) => evidence(chosen, &source.flag()),
+                    Some(chosen) => evidence(chosen),
                     None => format!("from {}", source.file.path().display()),
                 },
                 flag: source.flag(),
