@@ -206,6 +206,7 @@ impl ReadSheet {
         let photos = self.photos.clone();
         let holding = Holding {
             part: Some(PartOfPhotos { photos, window }),
+            stay: true,
             ..Holding::default()
         };
         InputFiles::open(&self.inputs, holding)?.load(&self.inputs, self.needs)

@@ -1,6 +1,6 @@
 //! Reading environments and lit spheres.
 
-use super::opened::{Holding, Opened, Selection};
+use super::opened::{Holding, Opened};
 use super::role_planes::RolePlanes;
 use super::sources::{RoleSource, read_all, read_rows};
 use crate::error::{Error, Result};
@@ -122,7 +122,7 @@ struct LightsFile {
 impl LightsFile {
     fn open(path: &Path, most_bytes: u64) -> Result<Self> {
         let holding = Holding::within(most_bytes);
-        let file = Opened::open_held(path, Selection::default(), holding)?;
+        let file = Opened::open_held(path, [None; 2], holding)?;
         let sources = color_sources(&file).ok_or_else(|| {
             let layers = file.found("nothing");
             Error::Unsupported {

@@ -309,7 +309,7 @@ impl ReadPlanes {
 #[cfg(feature = "cli")]
 pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<(Vec<String>, bool)> {
     let (inputs, _) = gathered(inputs)?;
-    let main = Opened::open_picture(&inputs)?;
+    let main = Opened::open_picture(&inputs, Default::default())?;
     let needs = Needs {
         motion: true,
         ..Needs::default()

@@ -3,7 +3,7 @@
 use super::bundle::gathered;
 use super::frame_sources::FrameSources;
 use super::light_layers::LightSources;
-use super::opened::{Holding, Opened, Selection, WholePhoto};
+use super::opened::{Holding, Opened, WholePhoto};
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
@@ -39,7 +39,7 @@ impl InputFiles {
     /// Any [`crate::Error`] of reading a header.
     pub(crate) fn open(inputs: &Inputs, holding: Holding) -> Result<Self> {
         let (inputs, _) = gathered(inputs)?;
-        let main = Opened::open_held(&inputs.picture, Selection::of(&inputs), holding)?;
+        let main = Opened::open_picture(&inputs, holding)?;
         Ok(Self { main })
     }
 

@@ -48,7 +48,7 @@ use depth_sense::judge_sense;
 use frame_sources::{FrameSources, ReadPlanes, only_occlusion};
 use gloss::LitPicture;
 use light_layers::{LightSources, has_light_passes};
-use opened::Opened;
+use opened::{Holding, Opened};
 use role_planes::RolePlanes;
 use sources::RoleSource;
 use std::ops::Range;
@@ -142,7 +142,7 @@ impl Loaded {
 /// neither names nor data show the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let (inputs, note) = gathered(inputs)?;
-    let main = Opened::open_picture(&inputs)?;
+    let main = Opened::open_picture(&inputs, Holding::default())?;
     let mut loaded = load_from(main, &inputs, needs)?;
     loaded.warnings.splice(..0, note);
     Ok(loaded)

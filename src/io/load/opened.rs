@@ -56,21 +56,8 @@ pub(crate) struct Judged {
     bits_of_floats: OnceLock<Option<u8>>,
 }
 
-/// Which of a file's layers are wanted: those of a view, and of a group; the default ones where none is named.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Selection<'a> {
-    view: Option<&'a str>,
-    layer: Option<&'a str>,
-}
-
-impl<'a> Selection<'a> {
-    pub(crate) fn of(inputs: &'a Inputs) -> Self {
-        Self {
-            view: inputs.view.as_deref(),
-            layer: inputs.layer.as_deref(),
-        }
-    }
-}
+/// The view and the group whose layers are wanted; the default ones where none is named.
+pub(crate) type Selection<'a> = [Option<&'a str>; 2];
 
 /// Policy for holding the decoded samples of photos.
 #[derive(Clone)]
@@ -95,7 +82,7 @@ pub(crate) struct PartOfPhotos {
 /// A decoded photo, and what was judged of the whole of it.
 pub(crate) struct WholePhoto {
     header: PhotoHeader,
-    samples: Arc<DynamicImage>,
+    samples: DynamicImage,
     judged: Judged,
 }
 
@@ -131,22 +118,27 @@ impl PartOfPhotos {
 
 impl Opened {
     pub(crate) fn open(path: &Path) -> Result<Rc<Self>> {
-        Self::open_held(path, Selection::default(), Holding::default())
+        Self::open_held(path, [None; 2], Holding::default())
     }
 
-    /// The picture of `inputs`.
-    pub(crate) fn open_picture(inputs: &Inputs) -> Result<Rc<Self>> {
-        Self::open_held(&inputs.picture, Selection::of(inputs), Holding::default())
+    /// The picture of `inputs`, with this policy for samples of photos.
+    pub(crate) fn open_picture(inputs: &Inputs, holding: Holding) -> Result<Rc<Self>> {
+        let wanted = [&inputs.view, &inputs.layer].map(Option::as_deref);
+        Self::open_held(&inputs.picture, wanted, holding)
     }
 
     /// The file with the layers that are wanted, and the policy for samples of photos.
-    pub(crate) fn open_held(path: &Path, wanted: Selection, holding: Holding) -> Result<Rc<Self>> {
+    pub(crate) fn open_held(
+        path: &Path,
+        [view, group]: Selection,
+        holding: Holding,
+    ) -> Result<Rc<Self>> {
         if let Some((photo, judged)) = holding.part.as_ref().and_then(|part| part.of(path)) {
             let part = Self::new(OpenedKind::Photo(photo), holding);
             return Ok(Rc::new(Self { judged, ..part }));
         }
         if is_inside(path) || !has_exr_magic(path)? {
-            groups::refuse(wanted.layer, path)?;
+            groups::refuse(group, path)?;
             let mut photo = StoredPhoto::open(path, holding.most_bytes)?;
             if let Some([width, height]) = holding.cell {
                 photo.cell = [
@@ -160,8 +152,8 @@ impl Opened {
         let mut layers = layers_of(&file);
         let views = views::mark(&file, &mut layers);
         Ok(Rc::new(Self {
-            view: views::keep(&file, &mut layers, &views, wanted.view)?,
-            groups: groups::keep(&file, &mut layers, wanted.layer)?,
+            view: views::keep(&file, &mut layers, &views, view)?,
+            groups: groups::keep(&file, &mut layers, group)?,
             layers,
             views,
             ..Self::new(OpenedKind::Exr(file), holding)
@@ -212,9 +204,9 @@ impl Opened {
             return Ok(file.clone());
         }
         let open = |wanted| Self::open_held(path, wanted, self.holding.clone());
-        let mut file = open(Selection::default())?;
+        let mut file = open([None; 2])?;
         let wanted = self.selection_in(&file);
-        if wanted != Selection::default() {
+        if wanted != [None; 2] {
             file = open(wanted)?;
         }
         let mut companions = self.companions.borrow_mut();
@@ -225,10 +217,10 @@ impl Opened {
     fn selection_in(&self, other: &Self) -> Selection<'_> {
         let names = &other.groups.names;
         let is_there = |own: &&str| names.iter().any(|name| name.eq_ignore_ascii_case(own));
-        Selection {
-            view: self.view.as_deref().filter(|_| !other.views.is_empty()),
-            layer: self.groups.taken.as_deref().filter(is_there),
-        }
+        [
+            self.view.as_deref().filter(|_| !other.views.is_empty()),
+            self.groups.taken.as_deref().filter(is_there),
+        ]
     }
 
     /// The channels of the layer called `name`, for `role`; those of the group in use come first.

@@ -2,7 +2,7 @@
 
 use super::bundle::gathered;
 use super::objects::{self, ObjectSurvey};
-use super::opened::{Opened, OpenedKind, layers_of};
+use super::opened::{Holding, Opened, OpenedKind, layers_of};
 use crate::error::Result;
 use crate::frame::Window;
 use crate::io::exr::{ExrFile, Part, SampleType};
@@ -78,7 +78,7 @@ pub struct RoleSurvey {
 /// # Errors
 /// Any [`crate::Error`] of opening it.
 pub fn survey(inputs: &Inputs) -> Result<Survey> {
-    let opened = Opened::open_picture(&gathered(inputs)?.0)?;
+    let opened = Opened::open_picture(&gathered(inputs)?.0, Holding::default())?;
     let (display_window, pixel_aspect) = opened.shown(opened.display());
     let (parts, roles) = match &opened.kind {
         OpenedKind::Exr(file) => (part_surveys(file), role_surveys(&opened, file)),

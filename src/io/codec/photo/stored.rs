@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use std::cell::{Ref, RefCell};
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Meaning of integer samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,8 +33,6 @@ pub(in crate::io) struct StoredPhoto {
     most_bytes: u64,
     /// All samples, while held.
     image: RefCell<Option<DynamicImage>>,
-    /// The samples that it is cut from, and where, if it is a part of a picture.
-    cut: Option<(Arc<DynamicImage>, [u32; 2])>,
 }
 
 impl StoredPhoto {
@@ -47,16 +44,13 @@ impl StoredPhoto {
             header,
             most_bytes,
             image: RefCell::default(),
-            cut: None,
         })
     }
 
-    /// The part `window` of the picture with this header and these upright samples.
-    pub(in crate::io) fn part(
-        whole: &PhotoHeader,
-        samples: &Arc<DynamicImage>,
-        window: Window,
-    ) -> Self {
+    /// The part `window` of the picture with this header and these upright samples. It holds its own: they are not decoded.
+    pub(in crate::io) fn part(whole: &PhotoHeader, samples: &DynamicImage, window: Window) -> Self {
+        let (x, y) = (window.x0 as u32, window.y0 as u32);
+        let [width, height] = [window.width(), window.height()].map(|side| side as u32);
         Self {
             header: PhotoHeader {
                 width: window.width(),
@@ -66,16 +60,15 @@ impl StoredPhoto {
             },
             cell: [window.width(), window.height()],
             most_bytes: u64::MAX,
-            image: RefCell::default(),
-            cut: Some((samples.clone(), [window.x0 as u32, window.y0 as u32])),
+            image: RefCell::new(Some(samples.crop_imm(x, y, width, height))),
         }
     }
 
     /// All samples, upright, which are let go of here.
     #[cfg(feature = "cli")]
-    pub(in crate::io) fn take_samples(&self) -> Result<Arc<DynamicImage>> {
+    pub(in crate::io) fn take_samples(&self) -> Result<DynamicImage> {
         drop(self.image()?);
-        Ok(self.image.take().expect("decoded above").into())
+        Ok(self.image.take().expect("decoded above"))
     }
 
     /// Planes of the rows `rows`: grey or colour, then alpha if there is one, which is never encoded.
@@ -170,10 +163,6 @@ impl StoredPhoto {
     }
 
     fn decoded(&self) -> Result<DynamicImage> {
-        if let Some((whole, [x, y])) = &self.cut {
-            let [width, height] = [self.header.width, self.header.height].map(|side| side as u32);
-            return Ok(whole.crop_imm(*x, *y, width, height));
-        }
         with_decoder(&self.header.path, |decoder, _| {
             // The file may have been rewritten since its header was read.
             let orientation = self.header.orientation;
