@@ -1,7 +1,7 @@
 //! Our layers as read by Blender and OpenImageIO; each test is skipped, with a notice, where they are not installed.
 
 use crate::common::exr::channel;
-use crate::common::program::{fixture, relievo};
+use crate::common::program::Desk;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -10,61 +10,40 @@ use std::process::Command;
 const PIXEL: [usize; 2] = [240, 209];
 
 /// The layers that `shape` writes, as Blender calls them.
+#[rustfmt::skip]
 const PASSES: [&str; 18] = [
     "Normal",
-    "WeightsConfidence",
-    "WeightsSilhouette",
-    "WeightsCrease",
-    "WeightsConductance",
-    "GradientX",
-    "GradientY",
-    "HessianXx",
-    "HessianXy",
-    "HessianYy",
-    "CurvatureU",
-    "CurvatureV",
-    "CurvatureMean",
-    "CurvatureKappa",
-    "DirectionX",
-    "DirectionY",
-    "DirectionViewX",
-    "DirectionViewY",
+    "WeightsConfidence", "WeightsSilhouette", "WeightsCrease", "WeightsConductance",
+    "GradientX", "GradientY",
+    "HessianXx", "HessianXy", "HessianYy",
+    "CurvatureU", "CurvatureV", "CurvatureMean", "CurvatureKappa",
+    "DirectionX", "DirectionY", "DirectionViewX", "DirectionViewY",
 ];
 
 /// Output of a program on files; `None`, with a notice, if `probe` shows that it is not installed.
 fn printed(program: &str, probe: &[&str], arguments: &[&str], files: &[String]) -> Option<String> {
     let run = |arguments: &[&str], files: &[String]| {
-        Command::new(program)
-            .args(arguments)
-            .args(files)
-            .output()
-            .ok()
+        let mut command = Command::new(program);
+        command.args(arguments).args(files).output().ok()
     };
     if !run(probe, &[]).is_some_and(|ran| ran.status.success()) {
         eprintln!("skipped: {program} {} does not run here", probe.join(" "));
         return None;
     }
     let ran = run(arguments, files).expect("it ran before");
-    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
-    assert!(
-        ran.status.success(),
-        "{said}{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
+    let [said, errors] =
+        [ran.stdout, ran.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    assert!(ran.status.success(), "{said}{errors}");
     Some(said)
 }
 
 /// The bust's shape, with its layers written in every way.
-fn written(desk: &Path) -> Vec<String> {
-    let ways = ["keep", "channels", "results"];
-    let made = ways.map(|way| {
-        let input = fixture("bust.exr").display().to_string();
-        relievo(
-            desk,
-            &format!("shape {input} --layers {way} -q -o {way}.exr"),
-        )
-        .done();
-        desk.join(format!("{way}.exr")).display().to_string()
+fn written(desk: &Desk) -> Vec<String> {
+    let made = ["keep", "channels", "results"].map(|way| {
+        desk.make(format!(
+            "shape fixtures/bust.exr --layers {way} -q -o {way}.exr"
+        ));
+        desk.at(&format!("{way}.exr")).display().to_string()
     });
     made.into()
 }
@@ -89,10 +68,8 @@ fn check(said: &str, files: &[String]) {
                 let ours = channel(Path::new(file), &format!("{layer}.{component}"));
                 let ours = ours.at(PIXEL[0], PIXEL[1]);
                 let shown: f32 = shown.parse().unwrap();
-                assert!(
-                    (shown - ours).abs() <= 1e-6 * ours.abs(),
-                    "{layer}: {shown} for {ours}"
-                );
+                let is_near = (shown - ours).abs() <= 1e-6 * ours.abs();
+                assert!(is_near, "{layer}: {shown} for {ours}");
             }
         }
     }
@@ -103,19 +80,11 @@ fn blender_shows_all_layers_and_their_values() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/show_layers.py");
     let script = script.display().to_string();
     let [x, y] = [PIXEL[0], 359 - PIXEL[1]].map(|at| at.to_string());
-    let desk = tempfile::tempdir().unwrap();
-    let files = written(desk.path());
-    let blender = [
-        "-b",
-        "--factory-startup",
-        "-noaudio",
-        "-P",
-        &script,
-        "--",
-        &x,
-        &y,
-    ];
+    let desk = Desk::new();
+    let files = written(&desk);
+    let options = ["-b", "--factory-startup", "-noaudio", "-P"];
     let python = [&script, "--", &x, &y];
+    let blender = [&options[..], &python].concat();
     let ran = [
         printed("blender", &["--version"], &blender, &files),
         printed("python3", &["-c", "import bpy"], &python, &files),
@@ -124,17 +93,10 @@ fn blender_shows_all_layers_and_their_values() {
         check(&said, &files);
         // Before its fifth version values are read too, of every pass.
         let values = said.matches("\nvalue ").count();
-        let is_old = said
-            .lines()
-            .any(|line| line == "version 3" || line == "version 4");
-        assert_eq!(
-            values,
-            if is_old {
-                PASSES.len() * files.len()
-            } else {
-                0
-            }
-        );
+        let is_old = |line| ["version 3", "version 4"].contains(&line);
+        let is_old = said.lines().any(is_old);
+        let expected = usize::from(is_old) * PASSES.len() * files.len();
+        assert_eq!(values, expected);
     }
 }
 
@@ -148,8 +110,8 @@ for file in sys.argv[1:]:
         [print('pass', name) for name in image.spec().channelnames if name.startswith('relievo.')]
         part += 1
 ";
-    let desk = tempfile::tempdir().unwrap();
-    let files = written(desk.path());
+    let desk = Desk::new();
+    let files = written(&desk);
     let probe = ["-c", "import OpenImageIO"];
     let Some(said) = printed("python3", &probe, &["-c", script], &files) else {
         return;

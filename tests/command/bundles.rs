@@ -1,14 +1,10 @@
 //! Folders and archives as estimators of normals and depth write them, and maps as numbers.
 
-use super::inputs::write_planes;
-use crate::common::exr::{Part, channel};
-use crate::common::program::{fixture, relievo};
+use crate::common::program::Desk;
+use crate::common::{apart, bits};
 use glam::DVec3;
 use relievo::frame::Plane;
-use relievo::io::photo::Photo;
-use relievo::io::picture::ViewTransform;
 use std::fs;
-use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 72];
 /// 60 degrees across 96 pixels: 48 / tan 30.
@@ -36,7 +32,7 @@ fn planes(value: impl Fn(usize, usize) -> DVec3) -> [Plane; 3] {
 }
 
 /// Writes a NumPy array of floats, of one plane or several.
-fn write_npy(path: &Path, planes: &[Plane]) {
+fn write_npy(desk: &Desk, name: &str, planes: &[Plane]) {
     let [width, height] = SIZE;
     let count = planes.len();
     let shape = match count {
@@ -50,41 +46,35 @@ fn write_npy(path: &Path, planes: &[Plane]) {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let samples = pixels.flat_map(|(x, y)| planes.iter().map(move |plane| plane.at(x, y)));
     file.extend(samples.flat_map(f32::to_le_bytes));
-    fs::write(path, file).unwrap();
+    desk.write(name, file);
 }
 
-/// A folder as MoGe writes one, with normals in colours, 16 bits of each.
-fn write_folder(folder: &Path) {
-    fs::create_dir(folder).unwrap();
-    let at = |name: &str| folder.join(name);
+/// Normals as colours, y up and z toward the viewer.
+fn coded() -> [Plane; 3] {
+    planes(|x, y| 0.5 * (to_gl() * ball(x, y).1 + DVec3::ONE))
+}
+
+/// Writes a folder as MoGe does, with normals in colours, 16 bits of each.
+fn write_folder(desk: &Desk) {
+    fs::create_dir(desk.at("moge")).unwrap();
     let lit = planes(|x, y| DVec3::splat(0.2 + 0.6 * -ball(x, y).1.z));
-    write_planes(&at("image.png"), lit, None, 8, ViewTransform::Srgb);
-    let coded = planes(|x, y| 0.5 * (to_gl() * ball(x, y).1 + DVec3::ONE));
-    write_planes(&at("normal.png"), coded, None, 16, ViewTransform::None);
-    let [_, _, depth] = planes(|x, y| ball(x, y).0);
-    write_npy(&at("depth.npy"), &[depth]);
-    write_npy(&at("points.npy"), &planes(|x, y| ball(x, y).0));
-    let covered = planes(|_, _| DVec3::ONE);
-    write_planes(
-        &at("mask.png"),
-        covered.clone(),
-        None,
-        8,
-        ViewTransform::None,
-    );
-    write_planes(&at("depth_vis.png"), covered, None, 8, ViewTransform::None);
-    fs::write(at("fov.json"), r#"{"fov_x": 60.0, "fov_y": 46.826}"#).unwrap();
-    fs::write(at("mesh.ply"), "ply").unwrap();
+    desk.write_light("moge/image.png", lit);
+    desk.write_codes("moge/normal.png", coded(), 16);
+    let points = planes(|x, y| ball(x, y).0);
+    write_npy(desk, "moge/depth.npy", &points[2..]);
+    write_npy(desk, "moge/points.npy", &points);
+    for name in ["moge/mask.png", "moge/depth_vis.png"] {
+        desk.write_codes(name, planes(|_, _| DVec3::ONE), 8);
+    }
+    desk.write("moge/fov.json", r#"{"fov_x": 60.0, "fov_y": 46.826}"#);
+    desk.write("moge/mesh.ply", "ply");
 }
 
 /// The largest error of normals in an array, in view space.
-fn error(path: &Path) -> f64 {
-    let photo = Photo::read(path).unwrap();
-    let [width, height] = SIZE;
-    assert_eq!(
-        [photo.width, photo.height, photo.channels.len()],
-        [width, height, 3]
-    );
+fn error(desk: &Desk, name: &str) -> f64 {
+    let (photo, [width, height]) = (desk.photo(name), SIZE);
+    let size = [photo.width, photo.height, photo.channels.len()];
+    assert_eq!(size, [width, height, 3]);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let errors = pixels.map(|(x, y)| {
         let found = [0, 1, 2].map(|i| f64::from(photo.channels[i].at(x, y)));
@@ -96,212 +86,160 @@ fn error(path: &Path) -> f64 {
 
 #[test]
 fn a_folder_of_an_estimator_stands_where_a_file_does() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
-    write_folder(&here.join("moge"));
-    let run = |words: &str| relievo(here, words);
-    let said = run("normals moge -o n.npy").done().stderr;
-    for taken in [
-        "image.png as image",
-        "normal.png as normals",
-        "depth.npy as depth",
-        "mask.png as mask",
-        "fov.json as camera",
-        "left out: points.npy",
-    ] {
-        assert!(said.contains(taken), "{taken}: {said}");
-    }
+    let desk = Desk::new();
+    write_folder(&desk);
+    // Flags overrule the folder. The picture is the image, and {name} the folder's. Nothing is written among what is read.
+    let rows = "
+        normals moge --depth none -o n.npy => 0: left out: depth.npy, points.npy
+        normals moge -o n.npy => 0: image.png as image ... normal.png as normals ... depth.npy as depth ... mask.png as mask ... fov.json as camera ... left out: points.npy
+        enhance moge -o {name}_e.png --backend cpu => 0
+        inspect moge => 0: focal 83.1 px
+        normals moge -o moge/n.png => 2: lies in moge
+    ";
+    desk.check("{}", rows);
     // A code of 16 bits is 3e-5, and vectors of unit length are off by two.
-    assert!(error(&here.join("n.npy")) < 1e-4);
-    // Flags overrule it.
-    let said = run("normals moge --depth none -o n.npy").done().stderr;
-    assert!(said.contains("left out: depth.npy, points.npy"), "{said}");
-    // The picture is the image, and {name} the folder's.
-    run("enhance moge -o {name}_e.png --backend cpu -q").done();
-    assert_eq!(Photo::read(&here.join("moge_e.png")).unwrap().width, 96);
-    let said = run("inspect moge").done().stdout;
-    assert!(said.contains("focal 83.1 px"), "{said}");
-    // Nothing is written among what is read, and two of a kind are told apart by a user alone.
-    let line = run("normals moge -o moge/n.png").refused(2);
-    assert!(line.contains("lies in moge"), "{line}");
-    let at = |name: &str| here.join("moge").join(name);
-    fs::copy(at("normal.png"), at("normal_2.png")).unwrap();
-    let line = run("normals moge -o n.npy").refused(1);
-    assert!(line.contains("normal.png, normal_2.png"), "{line}");
-    run("normals moge/image.png --normal moge/normal_2.png -o n.npy -q").done();
-    fs::remove_file(at("normal_2.png")).unwrap();
+    assert!(error(&desk, "n.npy") < 1e-4);
+    assert_eq!(desk.photo("moge_e.png").width, 96);
+    // Two of a kind are told apart by a user alone.
+    desk.copy("moge/normal.png", "moge/normal_2.png");
+    let rows = "
+        normals moge -o n.npy => 1: normal.png, normal_2.png
+        normals moge/image.png --normal moge/normal_2.png -o n.npy -q => 0
+    ";
+    desk.check("{}", rows);
+    let remove = |name: &str| fs::remove_file(desk.at(name)).unwrap();
+    remove("moge/normal_2.png");
     // OpenCV calls the one channel of an EXR Y. Of two files of one name that of floats is taken.
+    remove("moge/depth.npy");
     let [_, _, depth] = planes(|x, y| ball(x, y).0);
-    fs::remove_file(at("depth.npy")).unwrap();
-    Part::of([("Y", &depth)]).write(&at("depth.exr"));
+    desk.write_exr("moge/depth.exr", &[("Y", &depth)]);
     let [x, y, z] = planes(|x, y| to_gl() * ball(x, y).1);
-    Part::of([("R", &x), ("G", &y), ("B", &z)]).write(&at("normal.exr"));
-    let said = run("normals moge -o n.npy").done().stderr;
-    assert!(
-        said.contains("normal.exr as normals") && said.contains("depth.exr as depth"),
-        "{said}"
-    );
-    assert!(error(&here.join("n.npy")) < 1e-5);
-    fs::remove_file(at("normal.exr")).unwrap();
+    desk.write_exr("moge/normal.exr", &[("R", &x), ("G", &y), ("B", &z)]);
+    let row = "=> 0: normal.exr as normals ... depth.exr as depth";
+    desk.check("normals moge -o n.npy", row);
+    assert!(error(&desk, "n.npy") < 1e-5);
+    remove("moge/normal.exr");
     // A folder for each frame.
-    fs::create_dir(here.join("shot")).unwrap();
-    fs::rename(here.join("moge"), here.join("shot/0002")).unwrap();
-    run("normals shot/#### --frames 2 -o n.####.npy -q").done();
-    assert!(error(&here.join("n.0002.npy")) < 1e-4);
-    let line = run("normals shot/#### --frames 2 -o shot/####/n.npy").refused(2);
-    assert!(line.contains("all of which is read"), "{line}");
-    fs::rename(here.join("shot/0002"), here.join("moge")).unwrap();
+    fs::create_dir(desk.at("shot")).unwrap();
+    fs::rename(desk.at("moge"), desk.at("shot/0002")).unwrap();
+    desk.make("normals shot/#### --frames 2 -o n.####.npy -q");
+    assert!(error(&desk, "n.0002.npy") < 1e-4);
+    let row = "=> 2: all of which is read";
+    desk.check("normals shot/#### --frames 2 -o shot/####/n.npy", row);
+    fs::rename(desk.at("shot/0002"), desk.at("moge")).unwrap();
     // Axes as in OpenCV are found by the depth; so are normals where there are none but points.
-    fs::remove_file(at("normal.png")).unwrap();
-    write_npy(&at("normals.npy"), &planes(|x, y| ball(x, y).1));
-    run("normals moge -o n.npy -q").done();
-    assert!(error(&here.join("n.npy")) < 1e-5);
-    for name in ["normals.npy", "depth.exr", "image.png"] {
-        fs::remove_file(at(name)).unwrap();
+    remove("moge/normal.png");
+    write_npy(&desk, "moge/normals.npy", &planes(|x, y| ball(x, y).1));
+    desk.make("normals moge -o n.npy -q");
+    assert!(error(&desk, "n.npy") < 1e-5);
+    for name in ["moge/normals.npy", "moge/depth.exr", "moge/image.png"] {
+        remove(name);
     }
-    run("normals moge -o n.npy -q").done();
+    desk.make("normals moge -o n.npy -q");
     // Differences of neighbours on a ball of radius 6, a fifteenth apart; at borders to one side alone.
-    assert!(error(&here.join("n.npy")) < 0.01);
-    fs::remove_file(at("points.npy")).unwrap();
-    let line = run("normals moge -o n.npy").refused(1);
-    assert!(line.contains("holds no image, normal"), "{line}");
+    assert!(error(&desk, "n.npy") < 0.01);
+    remove("moge/points.npy");
+    desk.check("normals moge -o n.npy", "=> 1: holds no image, normal");
 }
 
 /// Arrays of an archive, which NumPy deflated, are the same as files.
 #[test]
 fn an_archive_is_read_by_the_names_of_its_arrays() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
-    fs::copy(fixture("estimated.npz"), here.join("in.npz")).unwrap();
-    let said = relievo(here, "normals in.npz -o n.npy").done().stderr;
-    for taken in [
-        "image as image",
-        "normal as normals",
-        "depth as depth",
-        "mask as mask",
-    ] {
-        assert!(said.contains(taken), "{taken}: {said}");
-    }
-    let read = |name: &str| Photo::read(&here.join(name)).unwrap();
-    let (own, written) = (read("in.npz/normal"), read("n.npy"));
-    for (own, written) in own.channels.iter().zip(&written.channels) {
-        let off = own.samples().iter().zip(written.samples());
-        assert!(off.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-6);
-    }
+    let desk = Desk::new();
+    desk.copy("fixtures/estimated.npz", "in.npz");
     // The image holds codes of 8 bits, which are shown as they are where nothing is enhanced.
-    relievo(here, "enhance in.npz -o e.png --scaling 0 --backend cpu -q").done();
-    assert_eq!(
-        read("e.png").channels,
-        read("in.npz/image").channels,
-        "codes"
-    );
-    relievo(
-        here,
-        "normals in.npz/depth --depth in.npz/depth -o d.npy -q",
-    )
-    .done();
-    let line = relievo(here, "normals in.npz/image --normal in.npz/none -o n.npy").refused(1);
-    assert!(
-        line.contains("found intrinsics, image") && line.contains("depth"),
-        "{line}"
-    );
+    let rows = "
+        normals in.npz -o n.npy => 0: image as image ... normal as normals ... depth as depth ... mask as mask
+        enhance in.npz -o e.png --scaling 0 --backend cpu => 0
+        normals in.npz/depth --depth in.npz/depth -o d.npy => 0
+        normals in.npz/image --normal in.npz/none -o n.npy => 1: found intrinsics, image ... depth
+    ";
+    desk.check("{}", rows);
+    let (own, written) = (desk.photo("in.npz/normal"), desk.photo("n.npy"));
+    for (own, written) in own.channels.iter().zip(&written.channels) {
+        assert!(apart(own, written) < 1e-6);
+    }
+    let [shown, image] = ["e.png", "in.npz/image"].map(|name| desk.photo(name).channels);
+    assert_eq!(shown, image, "codes");
 }
 
 /// Floats of whole numbers up to 240 are the codes of the same picture in 8 bits, as a warning says; the decoded light of it is
 /// light.
 #[test]
 fn whole_numbers_of_a_picture_are_codes() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
-    write_folder(&here.join("in"));
+    let desk = Desk::new();
+    desk.write_codes("normal.png", coded(), 16);
     let codes = planes(|x, y| DVec3::new((x + y) as f64, 2.0 * y as f64, 240.0 - x as f64));
-    write_npy(&here.join("codes.npy"), &codes);
-    let light = |v: f32| v / 255.0;
-    write_npy(
-        &here.join("shares.npy"),
-        &codes.each_ref().map(|plane| plane.map(light)),
-    );
-    let shown = |picture: &str| {
-        let words = format!(
-            "enhance {picture} --normal in/normal.png --scaling 0 --backend cpu -o out.png"
-        );
-        let said = relievo(here, &words).done().stderr;
-        let read = Photo::read(&here.join("out.png")).unwrap();
-        let code = |i: usize| (255.0 * read.channels[i].at(70, 50)).round();
-        ([0, 1, 2].map(code), said.contains("codes of 8 bits"))
-    };
-    assert_eq!(shown("codes.npy"), ([120.0, 100.0, 170.0], true));
-    let encoded = shown("shares.npy --colorspace srgb");
-    assert_eq!(encoded, ([120.0, 100.0, 170.0], false));
+    write_npy(&desk, "codes.npy", &codes);
+    let shares = codes.map(|plane| plane.map(|v| v / 255.0));
+    write_npy(&desk, "shares.npy", &shares);
+    let rows = "
+        codes.npy => 0: codes of 8 bits
+        shares.npy --colorspace srgb => 0: !codes of 8 bits
+    ";
+    for row in rows.trim().lines() {
+        let words = "--normal normal.png --scaling 0 --backend cpu -o out.png";
+        desk.check(&format!("enhance {{}} {words}"), row);
+        let read = desk.photo("out.png").channels;
+        let code = |i: usize| (255.0 * read[i].at(70, 50)).round();
+        assert_eq!([0, 1, 2].map(code), [120.0, 100.0, 170.0]);
+    }
 }
 
 /// Numbers of maps are those of an EXR, in NumPy arrays and in TIFF, and are read again.
 #[test]
 fn maps_are_written_as_numbers() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
-    let coded = planes(|x, y| 0.5 * (to_gl() * ball(x, y).1 + DVec3::ONE));
-    write_planes(&here.join("in.png"), coded, None, 16, ViewTransform::None);
-    let run = |words: &str| relievo(here, &format!("{words} --backend cpu -q"));
-    let bits =
-        |plane: &Plane| -> Vec<u32> { plane.samples().iter().map(|v| v.to_bits()).collect() };
+    let desk = Desk::new();
+    desk.write_codes("in.png", coded(), 16);
+    let run = |words: &str| desk.make(format!("{words} --backend cpu -q"));
     let same = |file: &str, planes: &[Plane]| {
-        let read = Photo::read(&here.join(file)).unwrap();
+        let read = desk.photo(file);
         assert!(read.is_float, "{file}");
         for (own, read) in planes.iter().zip(&read.channels) {
             assert!(bits(own) == bits(read), "{file}");
         }
     };
     let in_exr = |file: &str, names: &[&str]| -> Vec<Plane> {
-        names
-            .iter()
-            .map(|name| channel(&here.join(file), name))
-            .collect()
+        let planes = names.iter().map(|name| desk.channel(file, name));
+        planes.collect()
     };
-    run("normals in.png -o n.exr").done();
-    run("map in.png --map height,curvature -o m.exr").done();
-    run("shape in.png -o s.exr --write curvature.mean --depth-of-output float").done();
-    let normals = in_exr("n.exr", &["normal.x", "normal.y", "normal.z"]);
+    const NORMAL: &[&str] = &["normal.x", "normal.y", "normal.z"];
+    run("normals in.png -o n.exr");
+    run("map in.png --map height,curvature -o m.exr");
+    run("shape in.png -o s.exr --write curvature.mean --depth-of-output float");
+    let normals = in_exr("n.exr", NORMAL);
     for end in ["npy", "tif"] {
-        run(&format!("normals in.png -o n.{end}")).done();
+        run(&format!("normals in.png -o n.{end}"));
         same(&format!("n.{end}"), &normals);
         run(&format!(
             "map in.png --map height,curvature -o {{map}}.{end}"
-        ))
-        .done();
-        same(&format!("height.{end}"), &in_exr("m.exr", &["map.height"]));
-        same(
-            &format!("curvature.{end}"),
-            &in_exr("m.exr", &["map.curvature"]),
-        );
-        run(&format!("shape in.png -o s.{end} --write curvature.mean")).done();
+        ));
+        for name in ["height", "curvature"] {
+            let expected = in_exr("m.exr", &[&format!("map.{name}")]);
+            same(&format!("{name}.{end}"), &expected);
+        }
+        run(&format!("shape in.png -o s.{end} --write curvature.mean"));
         same(&format!("s.{end}"), &in_exr("s.exr", &["curvature.mean"]));
         // As they were read, but for the rounding of their lengths.
-        run(&format!("normals n.{end} -o again.exr --layers results")).done();
-        let again = in_exr("again.exr", &["normal.x", "normal.y", "normal.z"]);
-        let pairs = normals.iter().zip(&again);
-        let pairs = pairs.flat_map(|(a, b)| a.samples().iter().zip(b.samples()));
-        assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 3e-7);
+        run(&format!("normals n.{end} -o again.exr --layers results"));
+        for (own, again) in normals.iter().zip(in_exr("again.exr", NORMAL)) {
+            assert!(apart(own, &again) < 3e-7);
+        }
         // x and y alone tell z.
-        run(&format!("normals in.png --as xy -o xy.{end}")).done();
-        run(&format!("normals xy.{end} -o xyz.npy")).done();
-        assert!(error(&here.join("xyz.npy")) < 1e-4);
+        run(&format!("normals in.png --as xy -o xy.{end}"));
+        run(&format!("normals xy.{end} -o xyz.npy"));
+        assert!(error(&desk, "xyz.npy") < 1e-4);
     }
-    run("map in.png -o codes.tif --bits 16").done();
-    assert_eq!(Photo::read(&here.join("codes.tif")).unwrap().bits, 16);
-    for (words, named) in [
-        ("map in.png --map height,curvature -o m.npy", "{map}"),
-        ("map in.png -o m.npy --bits 8", "--bits"),
-        ("map in.png -o m.png --bits 32", "--bits"),
-        ("shape in.png -o s.npy", "--write"),
-        (
-            "shape in.png --normal-flip none -o s.npy --write *",
-            "--write",
-        ),
-        ("enhance in.png -o e.npy", ".exr"),
-        ("hatch in.png -o e.npy", ".exr"),
-    ] {
-        let line = relievo(here, words).refused(2);
-        assert!(line.contains(named), "{line}");
-    }
+    run("map in.png -o codes.tif --bits 16");
+    assert_eq!(desk.photo("codes.tif").bits, 16);
+    let rows = "
+        map in.png --map height,curvature -o m.npy => 2: {map}
+        map in.png -o m.npy --bits 8 => 2: --bits
+        map in.png -o m.png --bits 32 => 2: --bits
+        shape in.png -o s.npy => 2: --write
+        shape in.png --normal-flip none -o s.npy --write * => 2: --write
+        enhance in.png -o e.npy => 2: .exr
+        hatch in.png -o e.npy => 2: .exr
+    ";
+    desk.check("{}", rows);
 }

@@ -2,7 +2,7 @@
 //!
 //! The files are not part of this project; where they are missing the tests print a notice and pass.
 
-use crate::common::program::Ran;
+use crate::common::program::{Desk, Ran};
 use crate::common::real_files::real;
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -18,18 +18,14 @@ const MEMORY_LIMIT: u32 = 2_000_000;
 
 /// All files under `directory`, in order.
 fn files(directory: &Path) -> Vec<PathBuf> {
-    let mut paths: Vec<_> = fs::read_dir(directory)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let entries = fs::read_dir(directory).unwrap();
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
-    paths
-        .into_iter()
-        .flat_map(|path| match path.is_dir() {
-            true => files(&path),
-            false => vec![path],
-        })
-        .collect()
+    let all = paths.into_iter().flat_map(|path| match path.is_dir() {
+        true => files(&path),
+        false => vec![path],
+    });
+    all.collect()
 }
 
 fn has_extension(path: &Path, extensions: &[&str]) -> bool {
@@ -38,24 +34,25 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
 }
 
 /// Runs the binary within the limits; a run past them, or ended by a signal, fails the test.
-fn relievo(args: &[&OsStr]) -> Ran {
+fn relievo(directory: &Path, args: &[&OsStr]) -> Ran {
     let binary = env!("CARGO_BIN_EXE_relievo");
-    let mut command = if cfg!(target_os = "linux") {
-        let mut shell = Command::new("sh");
-        let limited = format!(r#"ulimit -v {MEMORY_LIMIT}; exec "$0" "$@""#);
-        shell.arg("-c").arg(limited).arg(binary);
-        shell
+    let mut command = Command::new("sh");
+    // Elsewhere memory has no such limit.
+    let limit = if cfg!(target_os = "linux") {
+        format!("ulimit -v {MEMORY_LIMIT}; ")
     } else {
-        Command::new(binary)
+        String::new()
     };
-    let said = tempfile::tempdir().unwrap();
-    let [out, err] = ["out", "err"].map(|name| said.path().join(name));
+    let script = limit + r#"exec "$0" "$@""#;
+    let [out, err] = [(); 2].map(|_| tempfile::NamedTempFile::new().unwrap());
     let mut child = command
+        .args(["-c", &script, binary])
         .args(args)
+        .current_dir(directory)
         .env("RAYON_NUM_THREADS", "2")
         .stdin(Stdio::null())
-        .stdout(fs::File::create(&out).unwrap())
-        .stderr(fs::File::create(&err).unwrap())
+        .stdout(out.reopen().unwrap())
+        .stderr(err.reopen().unwrap())
         .spawn()
         .unwrap();
     let started = Instant::now();
@@ -70,8 +67,7 @@ fn relievo(args: &[&OsStr]) -> Ran {
         }
         std::thread::sleep(Duration::from_millis(2));
     };
-    let text = |path| String::from_utf8(fs::read(path).unwrap()).unwrap();
-    let (stdout, stderr) = (text(out), text(err));
+    let [stdout, stderr] = [out, err].map(|file| fs::read_to_string(file.path()).unwrap());
     let code = status.code();
     assert!(code.is_some(), "{args:?} ended with {status}: {stderr}");
     Ran {
@@ -108,38 +104,40 @@ fn any_file_is_read_or_refused_with_one_line() {
     assert!(files.len() > 100, "only {} files", files.len());
     let mut done = [0; 3];
     for file in &files {
-        let inspected = relievo(&["inspect".as_ref(), file.as_os_str()]);
+        let desk = Desk::new();
+        let run = |words: &[&str]| {
+            // The file stands for FILE.
+            let words = words.iter().map(|word| match *word {
+                "FILE" => file.as_os_str(),
+                word => word.as_ref(),
+            });
+            relievo(desk.path(), &words.collect::<Vec<_>>())
+        };
+        let inspected = run(&["inspect", "FILE"]);
         assert_done_or_told(&inspected, file, "inspect");
         done[0] += usize::from(inspected.code == Some(0));
 
         // Once as it is, and once with its picture as normals, so that every pixel is decoded.
-        let any_normals = [
-            "--normal".as_ref(),
-            file.as_os_str(),
-            "--normal-space".as_ref(),
-            "view".as_ref(),
-            "--normal-encoding".as_ref(),
-            "signed".as_ref(),
-        ];
-        for (i, (name, flags)) in [("a.png", &[][..]), ("a.exr", &any_normals)]
-            .into_iter()
-            .enumerate()
+        for (i, words) in [
+            "enhance FILE -o a.png",
+            "enhance FILE -o a.exr --normal FILE --normal-space view --normal-encoding signed",
+        ]
+        .into_iter()
+        .enumerate()
         {
-            let desk = tempfile::tempdir().unwrap();
-            let output = desk.path().join(name);
-            let head = [
-                "enhance".as_ref(),
-                file.as_os_str(),
-                "-o".as_ref(),
-                output.as_os_str(),
-            ];
-            let ran = relievo(&[&head[..], flags].concat());
+            let ran = run(&words.split(' ').collect::<Vec<_>>());
             assert_done_or_told(&ran, file, "enhance");
             done[i + 1] += usize::from(ran.code == Some(0));
             // The whole output or nothing at all.
-            let left = fs::read_dir(desk.path()).unwrap().count();
-            assert_eq!(left, usize::from(ran.code == Some(0)), "{}", file.display());
-            assert_eq!(output.exists(), ran.code == Some(0), "{}", file.display());
+            let expected = if ran.code == Some(0) {
+                vec![["a.png", "a.exr"][i]]
+            } else {
+                vec![]
+            };
+            let left = desk.names("");
+            assert_eq!(left, expected, "{}", file.display());
+            left.iter()
+                .for_each(|name| fs::remove_file(desk.at(name)).unwrap());
         }
     }
     println!("{} files, done {done:?}", files.len());
@@ -149,19 +147,19 @@ fn any_file_is_read_or_refused_with_one_line() {
 
 /// `inspect --json` of one file.
 fn inspection(file: &Path) -> Value {
-    let ran = relievo(&["inspect".as_ref(), "--json".as_ref(), file.as_os_str()]);
+    let words = ["inspect".as_ref(), "--json".as_ref(), file.as_os_str()];
+    let ran = relievo(Path::new("."), &words);
     assert_eq!(ran.code, Some(0), "{}: {}", file.display(), ran.stderr);
     let mut json: Value = serde_json::from_str(&ran.stdout).unwrap();
     json[0].take()
 }
 
 /// Pairs of a role and the layer that plays it.
-fn roles(inspection: &Value) -> Vec<(&str, &str)> {
+fn roles<'a>(inspection: &'a Value) -> Vec<(&'a str, &'a str)> {
     let roles = inspection["roles"].as_array().unwrap();
-    roles
-        .iter()
-        .map(|r| (r["role"].as_str().unwrap(), r["layer"].as_str().unwrap()))
-        .collect()
+    let text = |value: &'a Value| value.as_str().unwrap();
+    let pairs = roles.iter().map(|r| (text(&r["role"]), text(&r["layer"])));
+    pairs.collect()
 }
 
 fn layer_names(inspection: &Value) -> Vec<&str> {
@@ -265,36 +263,24 @@ fn photos_are_pictures_and_serve_as_normal_maps() {
     assert!(photos >= 6);
 
     // The same map as OpenGL and as DirectX, whose green points down.
-    let desk = tempfile::tempdir().unwrap();
-    let photo = directory.join("Bricks102_1K-JPG_Color.jpg");
-    let enhanced = |map: &str, flags: &[&str]| {
-        let normal = directory.join(format!("Bricks102_1K-JPG_{map}.jpg"));
-        let output = desk.path().join("a.png");
-        let head: [&OsStr; 6] = [
-            "enhance".as_ref(),
-            photo.as_os_str(),
-            "--normal".as_ref(),
-            normal.as_os_str(),
-            "-o".as_ref(),
-            output.as_os_str(),
-        ];
-        let flags = flags.iter().map(AsRef::as_ref);
-        let ran = relievo(&head.into_iter().chain(flags).collect::<Vec<_>>());
-        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
-        image::open(output).unwrap().to_rgb8()
+    let desk = Desk::new();
+    let photo = directory.join("Bricks102_1K-JPG");
+    let photo = photo.display();
+    let enhanced = |map: &str| {
+        let words = format!("{photo}_Color.jpg --normal {photo}_{map}");
+        desk.make(format!("enhance {words} -o a.png"));
+        image::open(desk.at("a.png")).unwrap().to_rgb8()
     };
-    let mean_apart = |a: &image::RgbImage, b: &image::RgbImage| {
-        let apart = a
-            .iter()
-            .zip(b.iter())
-            .map(|(a, b)| f64::from(a.abs_diff(*b)));
-        apart.sum::<f64>() / a.len() as f64
+    let right = enhanced("NormalGL.jpg");
+    let mean_apart = |other: &image::RgbImage| {
+        let pairs = right.iter().zip(other.iter());
+        let apart = pairs.map(|(a, b)| f64::from(a.abs_diff(*b)));
+        apart.sum::<f64>() / right.len() as f64
     };
-    let right = enhanced("NormalGL", &[]);
-    let flipped = mean_apart(&right, &enhanced("NormalDX", &["--normal-flip", "y"]));
-    let told = mean_apart(&right, &enhanced("NormalDX", &[]));
+    let flipped = mean_apart(&enhanced("NormalDX.jpg --normal-flip y"));
+    let told = mean_apart(&enhanced("NormalDX.jpg"));
     assert_eq!(told, flipped, "the curl of its slopes tells it");
-    let wrong = mean_apart(&right, &enhanced("NormalDX", &["--normal-flip", "none"]));
+    let wrong = mean_apart(&enhanced("NormalDX.jpg --normal-flip none"));
     assert!(
         10.0 * flipped < wrong,
         "{flipped} flipped, {wrong} as it is"

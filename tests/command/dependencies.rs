@@ -1,7 +1,7 @@
 //! Dependencies of a build.
 
 #[cfg(not(feature = "view"))]
-use crate::common::program::{fixture, run};
+use crate::common::program::Desk;
 use std::process::Command;
 
 #[test]
@@ -26,14 +26,6 @@ fn without_features_there_is_neither_a_window_nor_a_graphics_device() {
 #[cfg(not(feature = "view"))]
 #[test]
 fn a_build_without_a_window_says_so_in_one_line() {
-    let bust = fixture("bust.exr");
-    let line = run(
-        std::path::Path::new("."),
-        ["view".as_ref(), bust.as_os_str()],
-    )
-    .refused(1);
-    assert!(
-        line.contains("cargo build --release --features view"),
-        "{line}"
-    );
+    let row = "=> 1: cargo build --release --features view";
+    Desk::new().check("view fixtures/bust.exr", row);
 }

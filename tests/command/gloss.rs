@@ -1,9 +1,8 @@
 //! `relievo relight` of metals, glass and lamps, under the names that renderers give their layers.
 
-use crate::common::exr::{Part, Stored, channel};
-use crate::common::program::{Ran, relievo};
+use crate::common::exr::Part;
+use crate::common::program::Desk;
 use relievo::frame::Plane;
-use std::path::Path;
 
 /// Columns of each material.
 const BAND: usize = 8;
@@ -32,10 +31,9 @@ struct Writer {
     colored: bool,
 }
 
+#[rustfmt::skip]
 const BLENDER: Writer = Writer {
-    layers: [
-        "DiffCol", "GlossCol", "GlossDir", "GlossInd", "TransCol", "TransDir", "Emit",
-    ],
+    layers: ["DiffCol", "GlossCol", "GlossDir", "GlossInd", "TransCol", "TransDir", "Emit"],
     tints: [true, true],
     colored: false,
 };
@@ -94,35 +92,23 @@ impl Writer {
     }
 
     /// A file of all materials, with as many of the layers, of a surface at 60 degrees.
-    fn write(&self, path: &Path, [width, height]: [usize; 2], count: usize) {
-        let material = |x: usize| x / BAND % MATERIALS.len();
-        let plane =
-            |of: &dyn Fn(usize) -> f32| Plane::from_fn(width, height, |x, _| of(material(x)));
-        let mut part = Part::new(relievo::frame::Window::from_size(width, height));
-        for (name, value) in
-            ["normal.X", "normal.Y", "normal.Z"]
-                .into_iter()
-                .zip([0.75_f32.sqrt(), 0.0, 0.5])
-        {
-            part = part.channel(name, Stored::Float, &plane(&|_| value));
-        }
-        part = part.channel(
-            "IndexOB.X",
-            Stored::Float,
-            &plane(&|material| material as f32 + 1.0),
-        );
+    fn write(&self, desk: &Desk, [width, height]: [usize; 2], count: usize) {
+        let plane = |of: &dyn Fn(usize) -> f32| {
+            Plane::from_fn(width, height, |x, _| of(x / BAND % MATERIALS.len()))
+        };
+        let index = ("IndexOB.X".to_string(), plane(&|m| m as f32 + 1.0));
+        let normal = [("X", 0.75_f32.sqrt()), ("Y", 0.0), ("Z", 0.5)];
+        let normal = normal.map(|(axis, value)| (format!("normal.{axis}"), plane(&|_| value)));
+        let mut channels: Vec<(String, Plane)> = normal.into_iter().chain([index]).collect();
         for (k, letter) in ["R", "G", "B"].into_iter().enumerate() {
-            part = part.channel(
-                &format!("Combined.{letter}"),
-                Stored::Float,
-                &plane(&|m| picture(m)[k]),
-            );
+            channels.push((format!("Combined.{letter}"), plane(&|m| picture(m)[k])));
             for (layer, name) in self.layers.iter().enumerate().take(count) {
-                let name = format!("{name}.{letter}");
-                part = part.channel(&name, Stored::Float, &plane(&|m| self.layer(layer, m)[k]));
+                let of_layer = plane(&|m| self.layer(layer, m)[k]);
+                channels.push((format!("{name}.{letter}"), of_layer));
             }
         }
-        part.write(path);
+        let channels = channels.iter().map(|(name, plane)| (name, plane));
+        Part::of(channels).write(&desk.at("in.exr"));
     }
 }
 
@@ -137,17 +123,17 @@ fn picture(material: usize) -> [f32; 3] {
     })
 }
 
-/// Lit by one lamp, mirrored toward the viewer.
-fn relit(desk: &Path, file: &str, flags: &str) -> Ran {
-    let words = format!(
-        "relight {file}.exr -o {file}.lit.exr --light 0,-30 --ambient 0 --method plain --normal-space view \
-         --layers results {flags}"
-    );
-    relievo(desk, &words).done()
+const RELIGHT: &str =
+    "relight in.exr -o lit.exr --ambient 0 --method plain --normal-space view --layers results";
+
+/// The colours of a row lit by one lamp, mirrored toward the viewer, and what is said.
+fn relit(desk: &Desk, flags: &str) -> (Vec<[f32; 3]>, String) {
+    let ran = desk.make(format!("{RELIGHT} --light 0,-30 {flags}"));
+    (colors(desk), ran.stderr)
 }
 
-fn colors(desk: &Path, file: &str) -> Vec<[f32; 3]> {
-    let planes = ["R", "G", "B"].map(|name| channel(&desk.join(format!("{file}.lit.exr")), name));
+fn colors(desk: &Desk) -> Vec<[f32; 3]> {
+    let planes = ["R", "G", "B"].map(|name| desk.channel("lit.exr", name));
     let at = |x: usize| planes.each_ref().map(|plane| plane.at(x, 0));
     (0..planes[0].width()).map(at).collect()
 }
@@ -160,33 +146,25 @@ fn metals_mirror_new_light_and_lamps_stay_under_every_renderers_names() {
     // = 69.444; G / (4 n.l n.e) = 1 / (2 (2 n.l hidden)), hidden = sqrt(a + (1 - a)/4) = 0.51069; times n.l: 33.996. Schlick's
     // share of grazing is (1 - 1/2)^5 = 1/32.
     let lobe = |reflectance: f32| 33.996 * (reflectance * (1.0 - 1.0 / 32.0) + 1.0 / 32.0);
-    let desk = tempfile::tempdir().unwrap();
+    let desk = Desk::new();
     for writer in &WRITERS {
-        writer.write(&desk.path().join("in.exr"), SIZE, 7);
-        let ran = relit(desk.path(), "in", "");
-        let said =
+        writer.write(&desk, SIZE, 7);
+        let (lit, said) = relit(&desk, "");
+        let told =
             "80.0 % of the surface has no diffuse colour (object 2, object 3, object 4, object 5)";
-        assert!(ran.stderr.contains(said), "{}", ran.stderr);
-        let lit = colors(desk.path(), "in");
+        assert!(said.contains(told), "{said}");
         let near = |material: usize, expected: [f32; 3], tolerance: f32| {
-            for k in 0..3 {
-                let (found, expected) = (lit[material * BAND + 3][k], expected[k]);
-                let error = (found - expected).abs() / expected;
-                assert!(
-                    error < tolerance,
-                    "{}, {material}: {found}, not {expected}",
-                    writer.layers[1]
-                );
+            for (found, expected) in lit[material * BAND + 3].iter().zip(expected) {
+                let is_near = (found - expected).abs() < tolerance * expected;
+                let name = writer.layers[1];
+                assert!(is_near, "{name}, {material}: {found}, not {expected}");
             }
         };
         // 0.9 is the factor of diffuse light.
         near(0, [0.5 * 0.5 * 0.9 + lobe(0.04) + 0.04 * 0.5; 3], 1e-3);
         near(1, GOLD.map(|own| lobe(own) + 0.5 * own), 3e-3);
-        near(
-            2,
-            [0.2, 0.3, 0.4].map(|seen| 0.96 * seen + 0.04 * 0.5 + lobe(0.04)),
-            3e-2,
-        );
+        let through = |seen: f32| 0.96 * seen + 0.04 * 0.5 + lobe(0.04);
+        near(2, [0.2, 0.3, 0.4].map(through), 3e-2);
         // Bit for bit.
         assert_eq!(lit[3 * BAND + 3], picture(3));
         assert_eq!(lit[4 * BAND + 3], UNTOLD);
@@ -195,13 +173,11 @@ fn metals_mirror_new_light_and_lamps_stay_under_every_renderers_names() {
 
 #[test]
 fn materials_with_a_highlight_put_it_on_diffuse_surfaces_alone() {
-    let desk = tempfile::tempdir().unwrap();
-    BLENDER.write(&desk.path().join("in.exr"), SIZE, 7);
-    relit(desk.path(), "in", "");
-    let matt = colors(desk.path(), "in");
+    let desk = Desk::new();
+    BLENDER.write(&desk, SIZE, 7);
+    let (matt, _) = relit(&desk, "");
     for material in ["phong", "blinn-phong", "ashikhmin-shirley"] {
-        relit(desk.path(), "in", &format!("--material {material}"));
-        let lit = colors(desk.path(), "in");
+        let (lit, _) = relit(&desk, &format!("--material {material}"));
         assert_eq!(lit[BAND..], matt[BAND..], "{material}");
         assert_ne!(lit[0], matt[0], "{material}");
     }
@@ -209,16 +185,15 @@ fn materials_with_a_highlight_put_it_on_diffuse_surfaces_alone() {
 
 #[test]
 fn an_environment_takes_the_place_of_the_mirrored_scene() {
-    let desk = tempfile::tempdir().unwrap();
-    BLENDER.write(&desk.path().join("in.exr"), SIZE, 7);
-    image::Rgb32FImage::from_pixel(64, 32, image::Rgb([0.25; 3]))
-        .save(desk.path().join("sky.hdr"))
-        .unwrap();
-    let flags = "relight in.exr -o in.lit.exr --environment sky.hdr --environment-gain 2 --ambient 0 --method plain \
-                 --normal-space view --layers results";
-    relievo(desk.path(), flags).done();
+    let desk = Desk::new();
+    BLENDER.write(&desk, SIZE, 7);
+    let sky = image::Rgb32FImage::from_pixel(64, 32, image::Rgb([0.25; 3]));
+    sky.save(desk.at("sky.hdr")).unwrap();
+    desk.make(format!(
+        "{RELIGHT} --environment sky.hdr --environment-gain 2"
+    ));
     // Radiance 0.5 from everywhere, n.e = 1/2.
-    for (found, own) in colors(desk.path(), "in")[BAND + 3].into_iter().zip(GOLD) {
+    for (found, own) in colors(&desk)[BAND + 3].into_iter().zip(GOLD) {
         let expected = 0.5 * (own * (1.0 - 1.0 / 32.0) + 1.0 / 32.0);
         assert!((found - expected).abs() < 5e-3, "{found}, not {expected}");
     }
@@ -226,64 +201,57 @@ fn an_environment_takes_the_place_of_the_mirrored_scene() {
 
 #[test]
 fn a_diffuse_colour_alone_is_lit_as_ever() {
-    let desk = tempfile::tempdir().unwrap();
-    BLENDER.write(&desk.path().join("bare.exr"), SIZE, 1);
-    BLENDER.write(&desk.path().join("all.exr"), SIZE, 7);
-    let ran = relit(desk.path(), "bare", "");
+    let desk = Desk::new();
+    BLENDER.write(&desk, SIZE, 1);
+    let (bare, said) = relit(&desk, "");
     assert!(
-        ran.stderr.contains("turns black: layers of glossy color"),
-        "{}",
-        ran.stderr
+        said.contains("turns black: layers of glossy color"),
+        "{said}"
     );
-    let bare = colors(desk.path(), "bare");
-    for (file, x) in (0..SIZE[0]).map(|x| ("bare", x)) {
+    for (x, color) in bare.iter().enumerate() {
         let expected = if x < BAND { 0.5 * 0.5 * 0.9 } else { 0.0 };
-        assert!((bare[x][1] - expected).abs() < 1e-6, "{file}");
+        assert!((color[1] - expected).abs() < 1e-6, "{x}");
     }
     // The former way of a file with all layers, and no word of it.
-    let ran = relit(desk.path(), "all", "--albedo-from layer");
-    assert!(!ran.stderr.contains("diffuse colour"), "{}", ran.stderr);
-    assert_eq!(colors(desk.path(), "all"), bare);
+    BLENDER.write(&desk, SIZE, 7);
+    let (all, said) = relit(&desk, "--albedo-from layer");
+    assert!(!said.contains("diffuse colour"), "{said}");
+    assert_eq!(all, bare);
 }
 
 #[test]
 fn strips_decide_as_the_whole_does() {
-    let desk = tempfile::tempdir().unwrap();
-    BLENDER.write(&desk.path().join("in.exr"), [160, 4000], 7);
-    let mut lit = Vec::new();
-    for memory in ["8G", "62M"] {
-        relit(desk.path(), "in", &format!("--max-memory {memory}"));
-        lit.push(std::fs::read(desk.path().join("in.lit.exr")).unwrap());
-    }
-    assert!(lit[0] == lit[1]);
+    let desk = Desk::new();
+    BLENDER.write(&desk, [160, 4000], 7);
+    let [whole, strips] = ["8G", "62M"].map(|memory| {
+        relit(&desk, &format!("--max-memory {memory}"));
+        desk.bytes("lit.exr")
+    });
+    assert!(whole == strips);
 }
 
 #[test]
 fn hostile_layers_and_a_single_pixel_give_finite_light() {
-    let desk = tempfile::tempdir().unwrap();
+    let desk = Desk::new();
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, -1.0] {
         for hostile in 0..BLENDER.layers.len() {
-            let mut part = Part::new(relievo::frame::Window::from_size(1, 1));
-            let one = |value| Plane::filled(1, 1, value);
-            part = part.channel("normal.X", Stored::Float, &one(0.0));
-            part = part.channel("normal.Y", Stored::Float, &one(0.0));
-            part = part.channel("normal.Z", Stored::Float, &one(1.0));
+            let [zero, half, one, usual, wild] =
+                [0.0, 0.5, 1.0, 0.01, value].map(|value| Plane::filled(1, 1, value));
+            let normal = [("normal.X", &zero), ("normal.Y", &zero), ("normal.Z", &one)];
+            let mut channels = normal
+                .map(|(name, plane)| (name.to_string(), plane))
+                .to_vec();
             for letter in ["R", "G", "B"] {
-                part = part.channel(&format!("Combined.{letter}"), Stored::Float, &one(0.5));
+                channels.push((format!("Combined.{letter}"), &half));
                 for (layer, name) in BLENDER.layers.iter().enumerate() {
-                    let value = if layer == hostile { value } else { 0.01 };
-                    part = part.channel(&format!("{name}.{letter}"), Stored::Float, &one(value));
+                    let plane = if layer == hostile { &wild } else { &usual };
+                    channels.push((format!("{name}.{letter}"), plane));
                 }
             }
-            part.write(&desk.path().join("in.exr"));
-            relit(desk.path(), "in", "");
-            let [pixel] = colors(desk.path(), "in")[..] else {
-                panic!("one pixel")
-            };
-            assert!(
-                pixel.iter().all(|channel| channel.is_finite()),
-                "{hostile} of {value}: {pixel:?}"
-            );
+            Part::of(channels).write(&desk.at("in.exr"));
+            let (lit, _) = relit(&desk, "");
+            let is_finite = lit.iter().flatten().all(|channel| channel.is_finite());
+            assert!(is_finite && lit.len() == 1, "{hostile} of {value}: {lit:?}");
         }
     }
 }

@@ -6,7 +6,6 @@ mod common;
 mod blender;
 mod blur;
 mod bundles;
-mod cli;
 mod colors;
 mod conformance;
 #[cfg(unix)]
@@ -16,16 +15,19 @@ mod gloss;
 mod hatch;
 mod inputs;
 mod kept;
+mod layers;
 mod manual;
 mod map;
+mod messages;
 mod moving_strokes;
 mod names;
-mod numbers;
 mod objects;
 mod outputs;
 mod photos;
+mod pictures;
 mod readme;
 mod recipes;
+mod refusals;
 mod relight;
 mod report;
 mod scale_bar;
@@ -35,4 +37,5 @@ mod specular;
 #[cfg(unix)]
 mod stops;
 mod strips;
+#[cfg(target_os = "linux")]
 mod threads;

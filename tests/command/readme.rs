@@ -1,7 +1,8 @@
 //! The README and the guide are true: their commands work, their links lead somewhere, and their defaults are those of
 //! the program.
 
-use crate::common::program::run;
+use crate::common::program::{Desk, run, words};
+use relievo::frame::Window;
 use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,79 +53,54 @@ fn written_pages() -> Vec<Page> {
     pages
 }
 
-/// The words of a command, those in single quotes as one.
-fn words(command: &str) -> Vec<String> {
-    let parts = command.split('\'').enumerate();
-    let words = parts.flat_map(|(i, part)| match i % 2 {
-        0 => part
-            .split_whitespace()
-            .map(String::from)
-            .collect::<Vec<_>>(),
-        _ => vec![part.into()],
-    });
-    words.collect()
-}
-
 /// The `relievo` commands in the shell blocks of `pages`.
-fn commands(pages: &[Page]) -> Vec<&str> {
+fn commands<'a>(pages: &'a [Page]) -> Vec<&'a str> {
     let blocks = pages.iter().flat_map(|page| page.blocks("sh"));
-    blocks
-        .flat_map(str::lines)
-        .filter_map(|line| {
-            line.strip_prefix("cargo run --release -- ")
-                .or(line.strip_prefix("relievo "))
-        })
-        .collect()
+    let starts = ["cargo run --release -- ", "relievo "];
+    let command = |line: &'a str| starts.iter().find_map(|start| line.strip_prefix(start));
+    blocks.flat_map(str::lines).filter_map(command).collect()
 }
 
 #[test]
 fn every_command_works() {
-    let place = tempfile::tempdir().unwrap();
-    fs::create_dir(place.path().join("fixtures")).unwrap();
+    let desk = Desk::new();
+    fs::create_dir(desk.path().join("fixtures")).unwrap();
     for entry in fs::read_dir(file("fixtures")).unwrap() {
         let from = entry.unwrap();
-        let to = place.path().join("fixtures").join(from.file_name());
+        let to = desk.path().join("fixtures").join(from.file_name());
         fs::copy(from.path(), to).unwrap();
     }
     let pages = pages();
     let commands = commands(&pages);
     assert!(commands.len() >= 20, "only {} commands", commands.len());
-    let distinct: BTreeSet<_> = commands.iter().collect();
-    assert_eq!(
-        distinct.len(),
-        commands.len(),
-        "a command stands in two places, and would run twice"
-    );
+    let distinct = BTreeSet::from_iter(&commands).len();
+    let runs_twice = "a command stands in two places, and would run twice";
+    assert_eq!(distinct, commands.len(), "{runs_twice}");
     // Names of outputs, by the rest of their command and the kind of file: each is made once.
-    let mut made: HashMap<String, String> = HashMap::new();
+    let mut made: HashMap<String, &str> = HashMap::new();
     for command in commands {
         println!("relievo {command}");
         let arguments = words(command);
-        let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
         let after = |flag: &str| {
             let at = arguments.iter().position(|&a| a == flag)?;
-            arguments.get(at + 1)
+            arguments.get(at + 1).copied()
         };
-        if let Some(&name) = after("-o") {
+        let output = after("-o");
+        if let Some(name) = output {
             let kind = Path::new(name).extension().unwrap_or_default();
             let others = command.replace(name, &kind.to_string_lossy());
             if let Some(before) = made.get(&others) {
-                fs::copy(place.path().join(before), place.path().join(name)).unwrap();
+                desk.copy(before, name);
                 continue;
             }
-            made.insert(others, name.into());
+            made.insert(others, name);
         }
-        run(place.path(), &arguments).done();
-        if let Some(name) = after("-o") {
+        run(desk.path(), &arguments).done();
+        if let Some(name) = output {
             let map = after("--map").and_then(|maps| maps.split(',').next());
-            let output = place
-                .path()
-                .join(name.replace("{map}", map.unwrap_or_default()));
-            assert!(
-                output.metadata().unwrap().len() > 1000,
-                "{} is empty",
-                output.display()
-            );
+            let output = name.replace("{map}", map.unwrap_or_default());
+            let length = desk.at(&output).metadata().unwrap().len();
+            assert!(length > 1000, "{output} is empty");
         }
     }
 }
@@ -133,17 +109,14 @@ fn every_command_works() {
 fn the_camera_of_the_guide_is_read() {
     let page = chapter("files.md");
     let json = page.blocks("json")[0];
-    let place = tempfile::tempdir().unwrap();
-    let path = place.path().join("camera.json");
-    fs::write(&path, json).unwrap();
-    let window = relievo::frame::Window::from_size(640, 480);
+    let desk = Desk::new();
+    desk.write("camera.json", json);
+    let (path, window) = (desk.at("camera.json"), Window::from_size(640, 480));
     let camera = relievo::io::camera::read_camera(&path, window, 1.0).unwrap();
     // Looks along +y, from (0, -5, 1.2).
     let eye = camera.view_from_world.inverse().translation;
-    assert!(
-        eye.distance(glam::DVec3::new(0.0, -5.0, 1.2)) < 1e-9,
-        "the eye is at {eye}"
-    );
+    let expected = glam::DVec3::new(0.0, -5.0, 1.2);
+    assert!(eye.distance(expected) < 1e-9, "the eye is at {eye}");
 }
 
 #[test]
@@ -158,11 +131,8 @@ fn the_recipe_of_the_guide_is_one() {
 fn the_program_of_the_readme_is_that_of_the_crate() {
     let readme = Page::read(file("README.md"));
     let documented = fs::read_to_string(file("src/lib.rs")).unwrap();
-    let program = readme.blocks("rust")[0];
-    let program: String = program
-        .lines()
-        .map(|line| format!("//! {line}\n"))
-        .collect();
+    let program = readme.blocks("rust")[0].lines();
+    let program: String = program.map(|line| format!("//! {line}\n")).collect();
     assert!(documented.contains(&program), "src/lib.rs lacks\n{program}");
 }
 
@@ -172,8 +142,9 @@ fn links_lead_to_files_and_headings() {
     for Page { path, text } in pages() {
         let (folder, name) = (path.parent().unwrap(), path.file_name().unwrap());
         let named = format!("({})", name.to_str().unwrap());
+        let is_listed = name == "SUMMARY.md" || summary.contains(&named);
         assert!(
-            folder != file("docs/guide") || name == "SUMMARY.md" || summary.contains(&named),
+            folder != file("docs/guide") || is_listed,
             "SUMMARY.md lacks {named}"
         );
         let targets = text.split("](").skip(1);
@@ -186,10 +157,8 @@ fn links_lead_to_files_and_headings() {
                 _ => folder.join(other),
             };
             assert!(other.exists(), "{shown} links to {target}");
-            assert!(
-                heading.is_empty() || anchors(&Page::read(other)).contains(heading),
-                "{shown} links to {target}"
-            );
+            let is_there = heading.is_empty() || anchors(&Page::read(other)).contains(heading);
+            assert!(is_there, "{shown} links to {target}");
         }
     }
 }
@@ -213,10 +182,8 @@ fn help_of(command: &str) -> String {
 /// The entry of `option` in `help`: its line, and the lines after it up to the next option.
 fn entry_of(help: &str, option: &str) -> Option<String> {
     let named = format!("{option} ");
-    let mut lines = help
-        .lines()
-        .map(str::trim)
-        .skip_while(|line| !line.starts_with(&named));
+    let lines = help.lines().map(str::trim);
+    let mut lines = lines.skip_while(|line| !line.starts_with(&named));
     let first = lines.next()?;
     let rest = lines.take_while(|line| !line.is_empty() && !line.starts_with('-'));
     Some(rest.fold(first.into(), |entry, line| entry + " " + line))
@@ -252,8 +219,9 @@ fn the_defaults_are_those_of_the_program() {
         }
         assert!(!entries.is_empty(), "no command has {option}");
         for entry in entries {
+            let is_default = entry.contains(&expected);
             assert!(
-                entry.contains(&expected),
+                is_default,
                 "the guide says {expected} of {option}; help: {entry}"
             );
         }
@@ -275,22 +243,15 @@ fn every_option_of_new_light_is_explained() {
     });
     let options: Vec<_> = options.collect();
     assert!(options.len() >= 30, "{options:?}");
-    let in_table: Vec<_> = option_rows()
-        .into_iter()
-        .map(|(option, _)| option)
-        .collect();
+    let rows = option_rows();
     let pages = written_pages();
     for option in options {
         let explained = ["`", " "].map(|end| format!("`{option}{end}"));
         let explains = |page: &Page| explained.iter().any(|text| page.text.contains(text));
-        assert!(
-            pages.iter().any(explains),
-            "the guide does not explain {option}"
-        );
+        let is_explained = pages.iter().any(explains);
+        assert!(is_explained, "the guide does not explain {option}");
         let has_default = entry_of(own, option).unwrap().contains("[default: ");
-        assert!(
-            !has_default || in_table.iter().any(|row| row == option),
-            "{option} has a default and no row"
-        );
+        let has_row = rows.iter().any(|(row, _)| row == option);
+        assert!(!has_default || has_row, "{option} has a default and no row");
     }
 }

@@ -1,25 +1,20 @@
 //! A bar of a round length on pictures, and the resolution that goes with it.
 
-use super::inputs::write_planes;
-use crate::common::program::{fixture, relievo};
+use super::inputs::grey;
+use crate::common::program::Desk;
 use relievo::frame::Plane;
 use relievo::io::photo::Photo;
-use relievo::io::picture::ViewTransform;
-use std::path::Path;
 
 const SIZE: [usize; 2] = [240, 160];
 
 /// A photo of grey with a pattern, and normals that face the viewer.
-fn write_inputs(here: &Path) {
+fn desk_of([width, height]: [usize; 2]) -> Desk {
+    let desk = Desk::new();
     let pattern = |x: usize, y: usize| 0.3 + 0.2 * ((x / 3 + y / 3) % 2) as f32;
-    let plane = |value: &dyn Fn(usize, usize) -> f32| Plane::from_fn(SIZE[0], SIZE[1], value);
-    let grey = plane(&pattern);
-    let write = |name: &str, planes| {
-        write_planes(&here.join(name), planes, None, 8, ViewTransform::Srgb);
-    };
-    write("in.png", [grey.clone(), grey.clone(), grey]);
-    let [across, up] = [0.22, 1.0].map(|value| plane(&|_, _| value));
-    write("n.png", [across.clone(), across, up]);
+    desk.write_light("in.png", grey(Plane::from_fn(width, height, pattern)));
+    let normal = [0.22, 0.22, 1.0].map(|value| Plane::filled(width, height, value));
+    desk.write_light("n.png", normal);
+    desk
 }
 
 /// The longest run of black in any row from `from` on.
@@ -34,18 +29,17 @@ fn longest(photo: &Photo, from: usize) -> usize {
 
 #[test]
 fn pictures_have_a_bar_as_long_as_it_says() {
-    let desk = tempfile::tempdir().unwrap();
-    write_inputs(desk.path());
+    let desk = desk_of(SIZE);
     let made = |words: &str, name: &str| {
-        relievo(desk.path(), &format!("{words} -q -o {name}")).done();
-        Photo::read(&desk.path().join(name)).unwrap()
+        desk.make(format!("{words} -q -o {name}"));
+        desk.photo(name)
     };
     let enhance = "enhance in.png --normal n.png";
     let plain = made(enhance, "plain.png");
     // Three tenths of 240 pixels of 0.05 mm are 3.6 mm: 2 mm are 40 pixels.
     for (words, name) in [
-        (enhance, "enhance.png"),
         (enhance, "enhance.tif"),
+        (enhance, "enhance.png"),
         (
             "relight in.png --normal n.png --light 135,40",
             "relight.png",
@@ -55,16 +49,14 @@ fn pictures_have_a_bar_as_long_as_it_says() {
     ] {
         let words = format!("{words} --pixel-size 0.05mm --scale-bar");
         let on = made(&format!("{words} on"), name);
-        assert_eq!((on.width, on.height), (SIZE[0], SIZE[1]), "{name}");
+        assert_eq!([on.width, on.height], SIZE, "{name}");
         assert_eq!(longest(&on, 0), 40, "{name}");
         let outside = made(&format!("{words} outside"), name);
         assert!(outside.height > SIZE[1], "{name}");
         assert_eq!(longest(&outside, SIZE[1]), 40, "{name}");
     }
-    let outside = made(
-        &format!("{enhance} --pixel-size 50um --scale-bar outside"),
-        "outside.png",
-    );
+    let outside = format!("{enhance} --pixel-size 50um --scale-bar outside");
+    let outside = made(&outside, "outside.png");
     for y in 0..SIZE[1] {
         assert_eq!(outside.channels[0].row(y), plain.channels[0].row(y));
     }
@@ -75,15 +67,13 @@ fn pictures_have_a_bar_as_long_as_it_says() {
 
 #[test]
 fn the_resolution_is_that_of_the_pixels_unless_it_is_given() {
-    let desk = tempfile::tempdir().unwrap();
-    write_inputs(desk.path());
+    let desk = desk_of(SIZE);
     let per_metre = |flags: &str| {
-        let words = format!("enhance in.png --normal n.png -q -o out.png {flags}");
-        relievo(desk.path(), &words).done();
-        let file = std::fs::File::open(desk.path().join("out.png")).unwrap();
-        let reader = png::Decoder::new(std::io::BufReader::new(file))
-            .read_info()
-            .unwrap();
+        desk.make(format!(
+            "enhance in.png --normal n.png -q -o out.png {flags}"
+        ));
+        let file = std::io::Cursor::new(desk.bytes("out.png"));
+        let reader = png::Decoder::new(file).read_info().unwrap();
         reader.info().pixel_dims.map(|dims| dims.xppu)
     };
     assert_eq!(per_metre(""), None);
@@ -97,36 +87,15 @@ fn the_resolution_is_that_of_the_pixels_unless_it_is_given() {
         ("--pixel-size 0.05mm --layers results", 508.0f32),
         ("--pixel-size 0.05mm --dpi 300 --layers channels", 300.0),
     ] {
-        let words = format!(
-            "enhance {} -q -o out.exr {flags}",
-            fixture("gears.exr").display()
-        );
-        relievo(desk.path(), &words).done();
-        let bytes = std::fs::read(desk.path().join("out.exr")).unwrap();
+        desk.make(format!("enhance fixtures/gears.exr -q -o out.exr {flags}"));
         let attribute = [b"xDensity\0float\0\x04\0\0\0", &density.to_le_bytes()[..]].concat();
+        let bytes = desk.bytes("out.exr");
         let is_there = bytes.windows(attribute.len()).any(|w| w == attribute);
         assert!(is_there, "{flags}");
     }
-    let refused = |flags: &str, code| {
-        let words = format!("enhance in.png --normal n.png -o out.png {flags}");
-        relievo(desk.path(), &words).refused(code)
-    };
-    assert!(refused("--scale-bar on", 2).contains("--pixel-size"));
-    let small = Plane::filled(40, 30, 0.4);
-    write_planes(
-        &desk.path().join("in.png"),
-        [small.clone(), small.clone(), small],
-        None,
-        8,
-        ViewTransform::Srgb,
-    );
-    let [across, up] = [0.22, 1.0].map(|value| Plane::filled(40, 30, value));
-    write_planes(
-        &desk.path().join("n.png"),
-        [across.clone(), across, up],
-        None,
-        8,
-        ViewTransform::Srgb,
-    );
-    assert!(refused("--pixel-size 1mm --scale-bar on", 2).contains("no room"));
+    let rows = "
+        --scale-bar on => 2: --pixel-size
+        --pixel-size 1mm --scale-bar on => 2: no room
+    ";
+    desk_of([40, 30]).check("enhance in.png --normal n.png -o out.png {}", rows);
 }

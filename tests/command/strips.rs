@@ -1,81 +1,60 @@
 //! Pictures larger than the memory allowed: the same bits, strip by strip.
 
-use super::inputs::{bytes, write_bumps, write_planes};
-use crate::common::program::{Ran, program, relievo};
+use crate::common::program::{Desk, Ran, program};
 use relievo::frame::Plane;
 use relievo::io::picture::ViewTransform;
-use std::path::Path;
 
 /// 256 x 3200 pixels take about 80 MiB, of 100 bytes each; in 62 MiB a strip has some 500 rows.
 const SIZE: [usize; 2] = [256, 3200];
 
+/// Expects the file that a command writes to be the same, whole and in strips.
+fn same_in_strips(desk: &Desk, words: &str, least: &str) {
+    let (_, output) = words.rsplit_once(' ').unwrap();
+    let [whole, strips] = ["8G", least].map(|memory| {
+        desk.make(format!("{words} --max-memory {memory}"));
+        // The recipe in an EXR does not mention memory.
+        desk.shown(output)
+    });
+    assert!(whole == strips, "{words}");
+}
+
 #[test]
 fn strips_are_the_whole_bit_for_bit() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
+    let desk = Desk::new();
     // Directions on the planes come from the bumps above and below.
-    write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |y| y / 100 % 3 == 0);
-    for (name, work) in [
-        ("explicit", "enhance --solver explicit --layers results"),
-        ("chebyshev", "enhance --scale 3 --foreshortening 0.5"),
-        ("mixed", "enhance --scale 2,4"),
-        ("into", "enhance --layers channels --compression zips"),
-        (
-            "given",
-            "enhance --curvature-gain 3 --white-level 0.5 --depth-of-output half",
-        ),
-        ("idle", "enhance --scaling 0"),
-        ("picked", "shape --layers results --write kappa,normal"),
-        (
-            "scales",
-            "shape --scale 2,3 --layers results --depth-of-output half",
-        ),
-        (
-            "lit",
-            "relight --light 30,40 --method both --albedo-from white",
-        ),
-        ("estimated", "relight --light 30,40 --method scale"),
-        (
-            "grain",
-            "relight --light 30,40 --method scale --anisotropy 0.5 --albedo-from picture \
-             --material ashikhmin-shirley --coat 10,200 --tangent curvature",
-        ),
+    desk.write_bumps("in.exr", 1, SIZE, 0.7, |y| y / 100 % 3 == 0);
+    let grain = "--method scale --anisotropy 0.5 --albedo-from picture --material ashikhmin-shirley --coat 10,200 \
+                 --tangent curvature";
+    for work in [
+        "enhance --solver explicit --layers results",
+        "enhance --scale 3 --foreshortening 0.5",
+        "enhance --scale 2,4",
+        "enhance --layers channels --compression zips",
+        "enhance --curvature-gain 3 --white-level 0.5 --depth-of-output half",
+        "enhance --scaling 0",
+        "shape --layers results --write kappa,normal",
+        "shape --scale 2,3 --layers results --depth-of-output half",
+        "relight --light 30,40 --method both --albedo-from white",
+        "relight --light 30,40 --method scale",
+        &format!("relight --light 30,40 {grain}"),
     ] {
-        for (kind, memory) in [("whole", "8G"), ("strips", "62M")] {
-            let words = format!("{work} in.exr -o {name}.{kind}.exr --max-memory {memory}");
-            relievo(here, &words).ended(0);
-        }
-        let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{name}.{k}.exr")));
-        assert!(whole == strips, "{name}");
+        same_in_strips(&desk, &format!("{work} in.exr -o out.exr"), "62M");
     }
 }
 
 #[test]
 fn what_needs_the_picture_whole_is_refused() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
-    write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |_| false);
-    for (words, expected) in [
-        (
-            "hatch in.exr -o out.png --max-memory 62M",
-            "draws the picture whole",
-        ),
-        (
-            "enhance in.exr -o out.exr --max-memory 30M",
-            "even in strips",
-        ),
-    ] {
-        let said = relievo(here, words).ended(1);
-        assert!(
-            said.contains(expected) && said.contains("--max-memory"),
-            "{said}"
-        );
-        assert_eq!(said.lines().count(), 1, "{said}");
-    }
+    let desk = Desk::new();
+    desk.write_bumps("in.exr", 1, SIZE, 0.7, |_| false);
+    let rows = "
+        hatch in.exr -o out.png --max-memory 62M => 1: draws the picture whole ... --max-memory
+        enhance in.exr -o out.exr --max-memory 30M => 1: even in strips ... --max-memory
+    ";
+    desk.check("{}", rows);
 }
 
 /// A photo and its normal map, in 8 and 16 bits, with alpha in the latter, and a map of noise alone.
-fn write_photos(here: &Path, [width, height]: [usize; 2]) {
+fn write_photos(desk: &Desk, [width, height]: [usize; 2]) {
     let wave = |x: usize| (x as f32 * std::f32::consts::TAU / 24.0).sin();
     let normal = |x: usize, y: usize| {
         let n = glam::Vec3::new(0.5 * wave(x), 0.5 * wave(y + 3), 1.0).normalize();
@@ -90,11 +69,10 @@ fn write_photos(here: &Path, [width, height]: [usize; 2]) {
     let alpha = Plane::from_fn(width, height, |_, y| {
         (y as f32 / 20.0 - 1.0).clamp(0.0, 1.0)
     });
-    let transform = ViewTransform::None;
-    write_planes(&here.join("in8.jpg"), color.clone(), None, 8, transform);
-    write_planes(&here.join("n8.png"), normals.clone(), None, 8, transform);
-    write_planes(&here.join("in16.png"), color, Some(&alpha), 16, transform);
-    write_planes(&here.join("n16.tif"), normals, None, 16, transform);
+    desk.write_codes("in8.jpg", color.clone(), 8);
+    desk.write_codes("n8.png", normals.clone(), 8);
+    desk.write_planes("in16.png", color, Some(&alpha), 16, ViewTransform::None);
+    desk.write_codes("n16.tif", normals, 16);
     // Slopes spread evenly over .06.
     let noise = |x: usize, y: usize, c: u32| {
         let place = (x * SIZE[1] + y) as u32 * 3 + c;
@@ -105,54 +83,28 @@ fn write_photos(here: &Path, [width, height]: [usize; 2]) {
     let normal = |x, y| glam::Vec3::new(noise(x, y, 0), noise(x, y, 1), 1.0).normalize();
     let noisy =
         [0, 1, 2].map(|c| Plane::from_fn(width, height, |x, y| normal(x, y)[c] * 0.5 + 0.5));
-    write_planes(&here.join("noisy.png"), noisy, None, 8, transform);
+    desk.write_codes("noisy.png", noisy, 8);
 }
 
 #[test]
 fn photos_in_strips_are_the_whole_bit_for_bit() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
-    write_photos(here, SIZE);
-    for (name, work) in [
-        ("a.png", "enhance in8.jpg --normal n8.png"),
-        ("b.png", "enhance in16.png --normal n16.tif --scale 3"),
-        (
-            "c.tif",
-            "relight in16.png --normal n16.tif --light 30,40 --shadows off",
-        ),
-        (
-            "d.jpg",
-            "relight in8.jpg --normal n8.png --light 30,40 --method scale --shadows off",
-        ),
-        (
-            "e.hdr",
-            "enhance in8.jpg --normal n16.tif --curvature-gain 3",
-        ),
-        ("f.exr", "enhance in16.png --normal n8.png"),
-        ("g.png", "shape in8.jpg --normal n8.png"),
+    let desk = Desk::new();
+    write_photos(&desk, SIZE);
+    for words in [
+        "enhance in8.jpg --normal n8.png -o a.png",
+        "enhance in16.png --normal n16.tif --scale 3 -o a.png",
+        "relight in16.png --normal n16.tif --light 30,40 --shadows off -o a.tif",
+        "relight in8.jpg --normal n8.png --light 30,40 --method scale --shadows off -o a.jpg",
+        "enhance in8.jpg --normal n16.tif --curvature-gain 3 -o a.hdr",
+        "shape in8.jpg --normal n8.png -o a.png",
         // Burning light is dimmed by the exposure of the whole.
-        (
-            "h.png",
-            "relight in8.jpg --normal n8.png --light 30,40,9,9,9 --method plain --shadows off",
-        ),
-        (
-            "i.png",
-            "enhance in8.jpg --normal noisy.png --curvature-gain 3",
-        ),
+        "relight in8.jpg --normal n8.png --light 30,40,9,9,9 --method plain --shadows off -o a.png",
+        "enhance in8.jpg --normal noisy.png --curvature-gain 3 -o a.png",
     ] {
-        for (kind, memory) in [("whole", "8G"), ("strips", least_of(name))] {
-            let words = format!("{work} -o {kind}.{name} --max-memory {memory}");
-            relievo(here, &words).ended(0);
-        }
-        // The recipe in an EXR does not mention memory.
-        let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{k}.{name}")));
-        assert!(whole == strips, "{name}");
+        same_in_strips(&desk, words, "62M");
     }
-}
-
-/// Less than the 80 MiB of the whole: writing an EXR needs more besides.
-fn least_of(name: &str) -> &'static str {
-    if name.ends_with("exr") { "72M" } else { "62M" }
+    // Less than the 80 MiB of the whole: writing an EXR needs more besides.
+    same_in_strips(&desk, "enhance in16.png --normal n8.png -o a.exr", "72M");
 }
 
 /// The number of MiB that a refusal names.
@@ -165,14 +117,13 @@ fn named(said: &str) -> u64 {
 /// The least memory that a refusal names is enough, no more than that is taken, and less is refused.
 #[test]
 fn the_least_memory_that_is_named_is_enough() {
-    let desk = tempfile::tempdir().unwrap();
-    let here = desk.path();
+    let desk = Desk::new();
     // Two thirds of the height: whole, that is still more than the least memory of each.
     let size = [SIZE[0], 2 * SIZE[1] / 3];
-    write_photos(here, size);
-    write_bumps(&here.join("in.exr"), 1, size, 0.7, |_| false);
+    write_photos(&desk, size);
+    desk.write_bumps("in.exr", 1, size, 0.7, |_| false);
     let sky = image::Rgb32FImage::from_fn(1024, 512, |x, y| image::Rgb([x as f32, y as f32, 9.0]));
-    sky.save(here.join("sky.hdr")).unwrap();
+    sky.save(desk.at("sky.hdr")).unwrap();
     for work in [
         "enhance in.exr -o out.exr",
         "enhance in.exr -o out.exr --scale 6",
@@ -189,7 +140,7 @@ fn the_least_memory_that_is_named_is_enough() {
         let within = |mib: u64| {
             // Drivers of devices take memory of their own.
             let words = format!("{work} --backend cpu --max-memory {mib}M");
-            Ran::measured(program(here).args(words.split(' ')))
+            Ran::measured(program(desk.path()).args(words.split(' ')))
         };
         let (refused, program) = within(32);
         let said = refused.ended(1);

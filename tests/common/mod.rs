@@ -5,6 +5,7 @@
 
 pub mod cpu;
 pub mod exr;
+pub mod files;
 pub mod planes;
 pub mod program;
 pub mod real_files;
@@ -17,8 +18,25 @@ use relievo::frame::{
     Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector2Planes, Vector3Planes,
     Window,
 };
-use relievo::io::inputs::Inputs;
-use relievo::io::{self, Loaded};
+use relievo::io::Loaded;
+use relievo::scenes::angle_deg;
+
+/// The defaults, with this change.
+pub fn default_but<T: Default>(change: impl FnOnce(&mut T)) -> T {
+    let mut value = T::default();
+    change(&mut value);
+    value
+}
+
+/// Columns and rows of all pixels, row after row.
+pub fn places(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> + Clone {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// Those that a mask covers.
+pub fn covered(mask: &Mask) -> impl Iterator<Item = (usize, usize)> + Clone {
+    places(mask.width(), mask.height()).filter(|&(x, y)| mask.at(x, y))
+}
 
 /// Layers with view-space normals and a picture, written to a file with samples stored so, and loaded.
 pub fn through_a_file(layers: &[(&str, &Plane)], stored: Stored) -> Loaded {
@@ -29,17 +47,10 @@ pub fn through_a_file(layers: &[(&str, &Plane)], stored: Stored) -> Loaded {
     let desk = tempfile::tempdir().unwrap();
     let picture = desk.path().join("render.exr");
     part.write(&picture);
-    let inputs = Inputs {
-        picture,
-        normal_space: Some(NormalSpace::View),
-        ..Inputs::default()
-    };
-    let needs = io::Needs {
-        color: true,
-        projection: true,
-        ..io::Needs::default()
-    };
-    io::load(&inputs, needs).unwrap()
+    files::load(picture, |inputs, needs| {
+        inputs.normal_space = Some(NormalSpace::View);
+        (needs.color, needs.projection) = (true, true);
+    })
 }
 
 /// The frame as seen in a mirror to its left: columns reversed, x of vectors negated.
@@ -68,20 +79,9 @@ pub fn mirrored(frame: &Frame) -> Frame {
         frame.pixel_aspect,
         |camera| Camera {
             view_from_world: mirror * camera.view_from_world * mirror,
-            projection: match camera.projection {
-                Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
-                    fx,
-                    fy,
-                    cx: sides - cx,
-                    cy,
-                },
-                Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
-                    sx,
-                    sy,
-                    cx: sides - cx,
-                    cy,
-                },
-            },
+            projection: projected(camera.projection, |[fx, fy, cx, cy]| {
+                [fx, fy, sides - cx, cy]
+            }),
         },
     )
 }
@@ -114,42 +114,43 @@ pub fn quarter_turned(frame: &Frame) -> Frame {
         1.0 / frame.pixel_aspect,
         |camera| Camera {
             view_from_world: roll * camera.view_from_world,
-            projection: match camera.projection {
-                Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
-                    fx: fy,
-                    fy: fx,
-                    cx: cy,
-                    cy: sides - cx,
-                },
-                Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
-                    sx: sy,
-                    sy: sx,
-                    cx: cy,
-                    cy: sides - cx,
-                },
-            },
+            projection: projected(camera.projection, |[fx, fy, cx, cy]| {
+                [fy, fx, cy, sides - cx]
+            }),
         },
     )
+}
+
+/// A projection of the same kind with its numbers changed: of pixels per unit, and of the principal point.
+fn projected(projection: Projection, change: impl Fn([f64; 4]) -> [f64; 4]) -> Projection {
+    match projection {
+        Projection::Perspective { fx, fy, cx, cy } => {
+            let [fx, fy, cx, cy] = change([fx, fy, cx, cy]);
+            Projection::Perspective { fx, fy, cx, cy }
+        }
+        Projection::Orthographic { sx, sy, cx, cy } => {
+            let [sx, sy, cx, cy] = change([sx, sy, cx, cy]);
+            Projection::Orthographic { sx, sy, cx, cy }
+        }
+    }
 }
 
 /// The frame with every sample outside the mask, of every plane but the picture's own, replaced by
 /// `poison`: nothing computed may change.
 pub fn poisoned(frame: &Frame, poison: f32) -> Frame {
     let spoil = |p: &Plane| {
-        Plane::from_fn(p.width(), p.height(), |x, y| {
+        let at = |x, y| {
             if frame.mask.at(x, y) {
                 p.at(x, y)
             } else {
                 poison
             }
-        })
+        };
+        Plane::from_fn(p.width(), p.height(), at)
     };
+    let [x, y, z] = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(spoil);
     Frame {
-        normal: Vector3Planes {
-            x: spoil(&frame.normal.x),
-            y: spoil(&frame.normal.y),
-            z: spoil(&frame.normal.z),
-        },
+        normal: Vector3Planes { x, y, z },
         normal_length: frame.normal_length.as_ref().map(spoil),
         confidence: frame.confidence.clone(),
         depth: frame.depth.as_ref().map(spoil),
@@ -176,6 +177,12 @@ pub fn in_8_bits(frame: Frame) -> Frame {
     })
 }
 
+/// The result of `work` on so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(work)
+}
+
 pub fn without_depth(frame: Frame) -> Frame {
     Frame {
         depth: None,
@@ -188,9 +195,33 @@ pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
     DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
 }
 
+/// The largest angle between the directions of covered neighbours.
+pub fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
+    let beside = |(x, y)| [(x - 1, y, x, y), (x, y - 1, x, y)];
+    let places = covered(&frame.mask).filter(|&(x, y)| x > 0 && y > 0);
+    let pairs = places
+        .flat_map(beside)
+        .filter(|&(x, y, ..)| frame.mask.at(x, y));
+    let at = |x, y| direction_at(found, x, y);
+    let turns = pairs.map(|(px, py, x, y)| angle_deg(at(x, y), at(px, py)));
+    turns.fold(0.0, f64::max)
+}
+
 /// The quantile of the sorted values for this share.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+pub fn mean(plane: &Plane) -> f64 {
+    let sum: f64 = plane.samples().iter().copied().map(f64::from).sum();
+    sum / plane.samples().len() as f64
+}
+
+/// The largest difference of two planes.
+pub fn apart(a: &Plane, b: &Plane) -> f32 {
+    assert_eq!((a.width(), a.height()), (b.width(), b.height()));
+    let pairs = a.samples().iter().zip(b.samples());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 /// Whether every sample of all layers is a share.
@@ -237,19 +268,10 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
     }
 
     fn vectors(&self, planes: &Vector3Planes) -> Vector3Planes {
-        let component = |pick: fn(DVec3) -> f64| {
-            Plane::from_fn(self.width, self.height, |x, y| {
-                let (x, y) = (self.from)(x, y);
-                let at = |p: &Plane| f64::from(p.at(x, y));
-                let turned = (self.vector)(DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z)));
-                pick(turned) as f32
-            })
-        };
-        Vector3Planes {
-            x: component(|v| v.x),
-            y: component(|v| v.y),
-            z: component(|v| v.z),
-        }
+        Vector3Planes::from_fn(self.width, self.height, |x, y| {
+            let (x, y) = (self.from)(x, y);
+            (self.vector)(planes.at(x, y))
+        })
     }
 
     fn frame(
@@ -261,10 +283,9 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
         camera: impl Fn(Camera) -> Camera,
     ) -> Frame {
         let plane = |p: &Plane| self.plane(p);
-        let colors = |c: &ColorPlanes| ColorPlanes {
-            r: plane(&c.r),
-            g: plane(&c.g),
-            b: plane(&c.b),
+        let colors = |c: &ColorPlanes| {
+            let [r, g, b] = [&c.r, &c.g, &c.b].map(plane);
+            ColorPlanes { r, g, b }
         };
         Frame {
             data_window,

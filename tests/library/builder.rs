@@ -1,15 +1,16 @@
 //! Frames from samples in memory: equal to those from files bit for bit, in any layout, and refused with a reason.
 
+use crate::common::files::load;
+use crate::common::program::fixture;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use ndarray::{Array3, ArrayView3, Axis, ShapeBuilder};
 use relievo::frame::{
-    Camera, ColorPlanes, DepthKind, Flip, Frame, FrameBuilder, LightLayers, Lobe, LobeLayer,
-    NormalSpace, Normals, Plane, Projection, Samples, StoredDepth, Window,
+    Camera, ColorPlanes, DepthKind, Flip, Frame, LightLayers, Lobe, LobeLayer, NormalSpace,
+    Normals, Plane, Projection, Samples, StoredDepth, Window,
 };
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
-use relievo::io::inputs::{Inputs, KnownCamera, LightInputs, LobeChoice, NormalEncoding};
-use relievo::io::{self, Needs};
+use relievo::io::inputs::{KnownCamera, LightInputs, LobeChoice, NormalEncoding};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -25,9 +26,8 @@ fn raw_channels(path: &Path) -> BTreeMap<String, FlatSamples> {
         .unwrap();
     let layer = image.layer_data.into_iter().next().unwrap();
     let channels = layer.channel_data.list.into_iter();
-    channels
-        .map(|channel| (channel.name.to_string(), channel.sample_data))
-        .collect()
+    let named = channels.map(|channel| (channel.name.to_string(), channel.sample_data));
+    named.collect()
 }
 
 /// The samples of some channels of one layer, side by side as planes.
@@ -37,17 +37,10 @@ fn samples<'a>(
     components: [&str; 3],
 ) -> Samples<'a> {
     let channel = |component: &str| &channels[&format!("{layer}.{component}")];
+    use FlatSamples::{F16, F32};
     match components.map(channel) {
-        [
-            FlatSamples::F32(x),
-            FlatSamples::F32(y),
-            FlatSamples::F32(z),
-        ] => [&x[..], &y[..], &z[..]].into(),
-        [
-            FlatSamples::F16(x),
-            FlatSamples::F16(y),
-            FlatSamples::F16(z),
-        ] => [&x[..], &y[..], &z[..]].into(),
+        [F32(x), F32(y), F32(z)] => [&x[..], &y[..], &z[..]].into(),
+        [F16(x), F16(y), F16(z)] => [&x[..], &y[..], &z[..]].into(),
         _ => panic!("{layer} is of mixed types"),
     }
 }
@@ -63,11 +56,9 @@ fn sample<'a>(channels: &'a BTreeMap<String, FlatSamples>, name: &str) -> Sample
 /// All planes of a frame, by name.
 fn planes(frame: &Frame) -> Vec<(String, Plane)> {
     let colors = |name: &str, color: &Option<ColorPlanes>| {
-        let planes = color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
-        planes
-            .enumerate()
-            .map(|(i, plane)| (format!("{name}.{i}"), plane.clone()))
-            .collect::<Vec<_>>()
+        let planes = color.iter().flat_map(|c| [&c.r, &c.g, &c.b]).enumerate();
+        let named = planes.map(|(i, plane)| (format!("{name}.{i}"), plane.clone()));
+        named.collect::<Vec<_>>()
     };
     let singles = [
         ("normal.x", Some(&frame.normal.x)),
@@ -80,14 +71,10 @@ fn planes(frame: &Frame) -> Vec<(String, Plane)> {
         ("alpha", frame.alpha.as_ref()),
         ("light.occlusion", frame.light.occlusion.as_ref()),
     ];
-    let singles = singles.into_iter();
-    let mut all: Vec<_> = singles
-        .filter_map(|(name, plane)| Some((name.to_string(), plane?.clone())))
-        .collect();
-    all.push((
-        "mask".into(),
-        frame.mask.plane().map(|c| f32::from(u8::from(c))),
-    ));
+    let there = |(name, plane): (&str, Option<&Plane>)| Some((name.into(), plane?.clone()));
+    let mut all: Vec<(String, Plane)> = singles.into_iter().filter_map(there).collect();
+    let mask = frame.mask.plane().map(|c| f32::from(u8::from(c)));
+    all.push(("mask".into(), mask));
     all.extend(colors("color", &frame.color));
     all.extend(colors("albedo", &frame.albedo));
     for layers in &frame.light.lobes {
@@ -105,12 +92,9 @@ fn planes(frame: &Frame) -> Vec<(String, Plane)> {
 
 fn assert_same(built: &Frame, read: &Frame) {
     let (built_planes, read_planes) = (planes(built), planes(read));
-    let names = |planes: &[(String, Plane)]| -> Vec<String> {
-        planes.iter().map(|(name, _)| name.clone()).collect()
-    };
-    assert_eq!(names(&built_planes), names(&read_planes));
-    for ((name, a), (_, b)) in built_planes.iter().zip(&read_planes) {
-        assert_eq!(a.width(), b.width(), "{name}");
+    assert_eq!(built_planes.len(), read_planes.len());
+    for ((name, a), (same_name, b)) in built_planes.iter().zip(&read_planes) {
+        assert_eq!((name, a.width()), (same_name, b.width()));
         let differ = a.samples().iter().zip(b.samples());
         let differ = differ.filter(|(a, b)| a.to_bits() != b.to_bits()).count();
         assert_eq!(differ, 0, "{name} differs in {differ} samples");
@@ -127,18 +111,11 @@ fn assert_same(built: &Frame, read: &Frame) {
 #[test]
 fn a_frame_of_memory_is_that_of_the_file() {
     for name in ["bust", "gears", "mirror"] {
-        let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("fixtures/{name}.exr"));
-        let inputs = Inputs {
-            picture: picture.clone(),
-            camera: Some(picture.with_extension("camera.json")),
-            ..Inputs::default()
-        };
-        let needs = Needs {
-            color: true,
-            projection: true,
-            ..Needs::default()
-        };
-        let read = io::load(&inputs, needs).unwrap();
+        let picture = fixture(&format!("{name}.exr"));
+        let read = load(&picture, |inputs, needs| {
+            inputs.camera = Some(picture.with_extension("camera.json"));
+            (needs.color, needs.projection) = (true, true);
+        });
         let (conventions, frame) = (read.conventions, &read.frame);
         assert_eq!(conventions.normal_space, NormalSpace::World);
         assert_eq!(conventions.normal_encoding, NormalEncoding::Signed);
@@ -148,12 +125,10 @@ fn a_frame_of_memory_is_that_of_the_file() {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let camera = frame.camera.unwrap();
         let normals = layer("ViewLayer.Normal", ["X", "Y", "Z"]);
+        let depth = sample(&channels, "ViewLayer.Depth.Z");
         let built = Frame::builder(width, height)
             .normals(Normals::world(normals, &camera).flipped(conventions.normal_flip))
-            .depth(
-                sample(&channels, "ViewLayer.Depth.Z"),
-                conventions.depth_kind.unwrap(),
-            )
+            .depth(depth, conventions.depth_kind.unwrap())
             .color(layer("ViewLayer.Combined", ["R", "G", "B"]))
             .alpha(sample(&channels, "ViewLayer.Combined.A"))
             .build()
@@ -234,32 +209,25 @@ impl Case {
         };
         let mut file = std::fs::File::create(path).unwrap();
         write_results(&mut file, path, &part).unwrap();
-        let inputs = Inputs {
-            picture: path.into(),
-            normal_space: Some(self.space),
-            normal_encoding: Some(self.encoding),
-            normal_flip: Some(self.flip),
-            depth_kind: self.depth,
-            importance: Some("importance".into()),
+        let loaded = load(path, |inputs, needs| {
+            inputs.normal_space = Some(self.space);
+            inputs.normal_encoding = Some(self.encoding);
+            inputs.normal_flip = Some(self.flip);
+            inputs.depth_kind = self.depth;
+            inputs.importance = Some("importance".into());
             // Its sum is not the picture.
-            light: Some(LightInputs {
+            inputs.light = Some(LightInputs {
                 lobes: LobeChoice::On,
                 occlusion: true,
                 ..LightInputs::default()
-            }),
-            known_camera: Some(KnownCamera {
+            });
+            inputs.known_camera = Some(KnownCamera {
                 camera: camera(),
                 is_placed: true,
-            }),
-            ..Inputs::default()
-        };
-        let needs = Needs {
-            color: true,
-            albedo: true,
-            projection: true,
-            ..Needs::default()
-        };
-        io::load(&inputs, needs).unwrap().frame
+            });
+            (needs.color, needs.albedo, needs.projection) = (true, true, true);
+        });
+        loaded.frame
     }
 
     /// Builds the same frame from the file's content.
@@ -302,28 +270,12 @@ impl Case {
 
 fn cases() -> Vec<Case> {
     let layers = |place: &[&'static str]| -> Vec<(&'static str, Plane)> {
+        #[rustfmt::skip]
         let names = [
-            "AO.R",
-            "C.A",
-            "C.B",
-            "C.G",
-            "C.R",
-            "N.X",
-            "N.Y",
-            "N.Z",
-            "albedo.B",
-            "albedo.G",
-            "albedo.R",
-            "diffuse_direct.B",
-            "diffuse_direct.G",
-            "diffuse_direct.R",
-            "diffuse_indirect.B",
-            "diffuse_indirect.G",
-            "diffuse_indirect.R",
-            "importance",
-            "specular.B",
-            "specular.G",
-            "specular.R",
+            "AO.R", "C.A", "C.B", "C.G", "C.R", "N.X", "N.Y", "N.Z", "albedo.B", "albedo.G", "albedo.R",
+            "diffuse_direct.B", "diffuse_direct.G", "diffuse_direct.R",
+            "diffuse_indirect.B", "diffuse_indirect.G", "diffuse_indirect.R",
+            "importance", "specular.B", "specular.G", "specular.R",
         ];
         let names = names.iter().chain(place);
         let hostile = |(i, name): (usize, &&'static str)| (*name, hostile(i as u32 + 1));
@@ -332,25 +284,23 @@ fn cases() -> Vec<Case> {
     // Heights take the place of normals in files.
     let kinds = StoredDepth::ALL.into_iter().map(|(kind, _)| kind);
     let kinds = kinds.filter(|kind| *kind != StoredDepth::Height).map(Some);
-    let mut cases: Vec<Case> = kinds
-        .chain([None])
-        .enumerate()
-        .map(|(i, depth)| Case {
-            layers: layers(match depth {
-                Some(_) => &["Z"],
-                None => &["P.X", "P.Y", "P.Z"],
-            }),
-            sample_type: OutputType::Float,
-            space: [NormalSpace::View, NormalSpace::World][i % 2],
-            encoding: [NormalEncoding::Signed, NormalEncoding::Unsigned][i / 2 % 2],
-            flip: Flip {
-                x: i == 2,
-                y: i % 3 == 1,
-                z: i == 5,
-            },
-            depth,
-        })
-        .collect();
+    let kinds = kinds.chain([None]).enumerate();
+    let of_kind = |(i, depth): (usize, Option<StoredDepth>)| Case {
+        layers: layers(match depth {
+            Some(_) => &["Z"],
+            None => &["P.X", "P.Y", "P.Z"],
+        }),
+        sample_type: OutputType::Float,
+        space: [NormalSpace::View, NormalSpace::World][i % 2],
+        encoding: [NormalEncoding::Signed, NormalEncoding::Unsigned][i / 2 % 2],
+        flip: Flip {
+            x: i == 2,
+            y: i % 3 == 1,
+            z: i == 5,
+        },
+        depth,
+    };
+    let mut cases: Vec<Case> = kinds.map(of_kind).collect();
     cases.push(Case {
         layers: layers(&["Z"]),
         sample_type: OutputType::Half,
@@ -388,9 +338,8 @@ fn hostile_samples_are_sanitised_as_those_of_files() {
 /// A few normals and depths, for every layout.
 fn ramp() -> [Plane; 3] {
     [0.25, 0.5, 1.0].map(|step| {
-        Plane::from_fn(5, 4, |x, y| {
-            ((1 + x + 5 * y) as f32 * step).rem_euclid(1.0) + 0.1
-        })
+        let at = |x, y| ((1 + x + 5 * y) as f32 * step).rem_euclid(1.0) + 0.1;
+        Plane::from_fn(5, 4, at)
     })
 }
 
@@ -409,9 +358,8 @@ fn every_layout_makes_the_same_frame() {
     let interleaved = |channels: usize| -> Vec<f32> {
         let pixels = 0..20;
         let pixel = |i: usize| [x, y, z, x].map(|plane| plane.samples()[i]);
-        pixels
-            .flat_map(|i| pixel(i).into_iter().take(channels))
-            .collect()
+        let samples = pixels.flat_map(|i| pixel(i).into_iter().take(channels));
+        samples.collect()
     };
     assert_same(&built(&interleaved(3)), &expected);
     assert_same(&built(&interleaved(4)), &expected);
@@ -428,10 +376,7 @@ fn every_layout_makes_the_same_frame() {
     // Arrays: interleaved, stacked planes, columns before rows.
     let array = Array3::from_shape_vec((4, 5, 3), interleaved(3)).unwrap();
     assert_same(&built(&array), &expected);
-    let stacked: Vec<f32> = [x, y, z]
-        .iter()
-        .flat_map(|p| p.samples().to_vec())
-        .collect();
+    let stacked = [x, y, z].map(|plane| plane.samples()).concat();
     let stacked = ArrayView3::from_shape((3, 4, 5), &stacked).unwrap();
     assert_same(&built(stacked.permuted_axes([1, 2, 0])), &expected);
     let mut turned = array.clone();
@@ -443,14 +388,10 @@ fn every_layout_makes_the_same_frame() {
 
 #[test]
 fn integers_are_read_as_those_of_photos() {
-    let photo = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/tablet.normal.png");
-    let color = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/tablet.color.jpg");
-    let inputs = Inputs {
-        picture: color,
-        normal: Some(photo.to_str().unwrap().into()),
-        ..Inputs::default()
-    };
-    let read = io::load(&inputs, Needs::default()).unwrap();
+    let photo = fixture("tablet.normal.png");
+    let read = load(fixture("tablet.color.jpg"), |inputs, _| {
+        inputs.normal = Some(photo.to_str().unwrap().into());
+    });
     let stored = image::open(&photo).unwrap().into_rgb8();
     let (width, height) = (stored.width() as usize, stored.height() as usize);
     let normals = Normals::view(stored.as_raw()).unsigned();
@@ -464,10 +405,8 @@ fn integers_are_read_as_those_of_photos() {
     // 16 bits and half floats give the same, to their precision, except that the steps of 8 bits remain: the smoothest
     // normals with these codes are up to half a step of 2/255 away.
     let wide: Vec<u16> = stored.iter().map(|&v| u16::from(v) * 257).collect();
-    let half: Vec<f16> = stored
-        .iter()
-        .map(|&v| f16::from_f32(f32::from(v) / 255.0))
-        .collect();
+    let in_half = |&v: &u8| f16::from_f32(f32::from(v) / 255.0);
+    let half: Vec<f16> = stored.iter().map(in_half).collect();
     for normals in [Normals::view(&wide), Normals::view(&half)] {
         let other = Frame::builder(width, height)
             .normals(normals.unsigned().flipped(read.conventions.normal_flip))
@@ -479,99 +418,48 @@ fn integers_are_read_as_those_of_photos() {
     }
 }
 
-/// The message for a builder that fails.
-fn refusal(builder: FrameBuilder) -> String {
-    builder.build().expect_err("refused").to_string()
-}
-
 #[test]
 fn what_does_not_fit_is_refused_by_name() {
     let normals = [0.0_f32, 0.0, 1.0].repeat(20);
     let (depth, bytes) = (vec![1.0_f32; 20], vec![1_u8; 60]);
     let good = || Frame::builder(5, 4).normals(Normals::view(&normals));
     assert!(good().build().is_ok());
-    let tilted = Camera {
-        view_from_world: DAffine3::from_scale(DVec3::splat(2.0)),
-        ..camera()
-    };
-    let flat = Camera {
-        projection: Projection::Perspective {
-            fx: 0.0,
-            fy: 1.0,
-            cx: 0.0,
-            cy: 0.0,
-        },
-        ..camera()
-    };
+    let (mut tilted, mut flat) = (camera(), camera());
+    tilted.view_from_world = DAffine3::from_scale(DVec3::splat(2.0));
+    let [fx, fy, cx, cy] = [0.0, 1.0, 0.0, 0.0];
+    flat.projection = Projection::Perspective { fx, fy, cx, cy };
     let planar = StoredDepth::Planar;
     let turned = Plane::filled(4, 5, 1.0_f32);
+    #[rustfmt::skip]
     let refused = [
-        (
-            Frame::builder(5, 4),
-            "normals are missing; give them with normals()",
-        ),
-        (
-            Frame::builder(0, 4),
-            "a frame of 0x4 pixels from (0, 0) cannot be; give at least one pixel, and coordinates below 2^31",
-        ),
-        (
-            good().normals(Normals::view(&normals[1..])),
-            "normals holds 59 samples for 5x4 pixels; give 3 or 4 for each pixel, or a view where there are gaps",
-        ),
-        (
-            good().normals(Normals::view([&depth[..], &depth])),
-            "normals has 2 channels; give 3 or 4",
-        ),
-        (
-            good().depth(&depth[..19], planar),
-            "depth holds 19 samples for 5x4 pixels; give 1 for each pixel, or a view where there are gaps",
-        ),
-        (
-            good().depth(&turned, planar),
-            "depth is 5 rows of 4, for 5x4 pixels; give an array indexed [row, column] of the frame's size",
-        ),
-        (
-            good().color(&bytes),
-            "color holds integers, which are rarely linear light; decode it, as with io::srgb::decoded, and give f32",
-        ),
-        (
-            good().position(&normals),
-            "position is in world space, and there is no camera; give one with camera(), or depth instead",
-        ),
-        (
-            good()
-                .camera(&camera())
-                .normals(Normals::world(&normals, &flat)),
-            "camera is another than that of the normals; give one of them",
-        ),
-        (
-            good().camera(&flat),
-            "camera cannot be used: its focal length is 0 px; give 0.01 to 1e9",
-        ),
-        (
-            good().camera(&tilted),
-            "camera cannot be used: its axes are not of unit length and square to each other; give a rotation and a \
-             translation without scale or shear",
-        ),
-        (
-            good().pixel_aspect(f32::NAN),
-            "pixel_aspect is NaN; give 0.001 to 1000",
-        ),
-        (
-            good().display_window(Window::from_size(0, 4)),
-            "display_window is 0x4 at (0, 0); give one that is at least a pixel wide and high",
-        ),
-        (
-            good().luminance_weights([1.0, 1.0, 1.0]),
-            "luminance_weights are [1.0, 1.0, 1.0]; give three that are not negative and add up to 1",
-        ),
-        (
-            good().light_group("key", &normals, [Vec3::splat(1.0)]),
-            "light_group key has no directions of unit length to its lights; give at least one, in view space",
-        ),
+        (Frame::builder(5, 4), "normals are missing; give them with normals()"),
+        (Frame::builder(0, 4), "a frame of 0x4 pixels from (0, 0) cannot be; give at least one pixel, and coordinates below 2^31"),
+        (good().normals(Normals::view(&normals[1..])),
+            "normals holds 59 samples for 5x4 pixels; give 3 or 4 for each pixel, or a view where there are gaps"),
+        (good().normals(Normals::view([&depth[..], &depth])), "normals has 2 channels; give 3 or 4"),
+        (good().depth(&depth[..19], planar),
+            "depth holds 19 samples for 5x4 pixels; give 1 for each pixel, or a view where there are gaps"),
+        (good().depth(&turned, planar),
+            "depth is 5 rows of 4, for 5x4 pixels; give an array indexed [row, column] of the frame's size"),
+        (good().color(&bytes),
+            "color holds integers, which are rarely linear light; decode it, as with io::srgb::decoded, and give f32"),
+        (good().position(&normals),
+            "position is in world space, and there is no camera; give one with camera(), or depth instead"),
+        (good().camera(&camera()).normals(Normals::world(&normals, &flat)), "camera is another than that of the normals; give one of them"),
+        (good().camera(&flat), "camera cannot be used: its focal length is 0 px; give 0.01 to 1e9"),
+        (good().camera(&tilted),
+            "camera cannot be used: its axes are not of unit length and square to each other; give a rotation and a translation without scale or shear"),
+        (good().pixel_aspect(f32::NAN), "pixel_aspect is NaN; give 0.001 to 1000"),
+        (good().display_window(Window::from_size(0, 4)),
+            "display_window is 0x4 at (0, 0); give one that is at least a pixel wide and high"),
+        (good().luminance_weights([1.0, 1.0, 1.0]),
+            "luminance_weights are [1.0, 1.0, 1.0]; give three that are not negative and add up to 1"),
+        (good().light_group("key", &normals, [Vec3::splat(1.0)]),
+            "light_group key has no directions of unit length to its lights; give at least one, in view space"),
     ];
     for (builder, expected) in refused {
-        assert_eq!(refusal(builder), expected);
+        let refusal = builder.build().expect_err("refused").to_string();
+        assert_eq!(refusal, expected);
     }
     let empty = LightLayers::default();
     assert_eq!(good().build().unwrap().light, empty);

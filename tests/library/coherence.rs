@@ -5,13 +5,14 @@
 //! Warping blurs a drawing, so even a perfect sequence has a difference. As its measure, a card of one tone and one
 //! direction, drawn with a texture that moved like the frame, is compared with the previous card.
 
+use crate::common::{covered, default_but};
 use relievo::Result;
 use relievo::engine::{Engine, Inputs, Outcome, Run, SequenceInputs, TextureCoordinates};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
-    Adaptive, LineLevels, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams,
-    StrokeScale, ToneParams,
+    Adaptive, LineLevels, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeScale,
+    ToneParams,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
 
@@ -76,14 +77,8 @@ pub(crate) fn measure(
         }
         before = Some(drawn);
     }
-    let mean =
-        |of: fn(&CoherenceRow) -> f64| rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64;
-    let means = [
-        mean(|r| r.still),
-        mean(|r| r.carried),
-        mean(|r| r.floor),
-        mean(|r| r.lines),
-    ];
+    let of: [fn(&CoherenceRow) -> f64; 4] = [|r| r.still, |r| r.carried, |r| r.floor, |r| r.lines];
+    let means = of.map(|of| rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64);
     Ok((!rows.is_empty()).then_some(Coherence { rows, means }))
 }
 
@@ -109,13 +104,9 @@ struct SequenceDrawer {
 impl SequenceDrawer {
     fn new(shape: ShapeParams) -> Self {
         // Strokes and lines at scale 1.
-        let own_size = LineParams {
-            strokes: StrokeParams {
-                scale: StrokeScale::Factor(1.0),
-                ..StrokeParams::default()
-            },
-            ..LineParams::default()
-        };
+        let mut own_size = LineParams::default();
+        own_size.strokes.scale = StrokeScale::Factor(1.0);
+        let lamp = DirectionalLight::white([135.0, 40.0]);
         Self {
             engine: Engine::cpu(),
             shape,
@@ -129,10 +120,7 @@ impl SequenceDrawer {
                 lines_only: true,
                 ..own_size
             },
-            lamp: Illumination {
-                directional: vec![DirectionalLight::white([135.0, 40.0])],
-                ..Illumination::default()
-            },
+            lamp: default_but(|light: &mut Illumination| light.directional.push(lamp)),
         }
     }
 
@@ -172,19 +160,16 @@ impl SequenceDrawer {
     /// The ink of lines only; levels for their widths come from the first frame.
     fn draw_lines(&mut self, frame: &Frame) -> Result<Plane> {
         let plan = self.plan(frame, Tone::Picture, self.lines_alone)?;
-        let outcome = self
-            .engine
-            .execute(&plan, frame, Inputs::default(), &Run::new())?;
-        if let (Some(interior), Some(levels)) =
-            (&mut self.lines_alone.interior, outcome.line_levels)
-        {
+        let inputs = Inputs::default();
+        let outcome = self.engine.execute(&plan, frame, inputs, &Run::new())?;
+        let interior = self.lines_alone.interior.as_mut();
+        if let (Some(interior), Some(levels)) = (interior, outcome.line_levels) {
             interior.levels = LineLevels::Given(levels);
         }
         let drawing = outcome.drawing.expect("a drawing was planned");
-        let [mut ink, interior] = [drawing.contours, drawing.interior]
-            .map(|layer| layer.expect("both kinds of lines are drawn"));
-        let samples = ink.samples_mut().iter_mut();
-        let both = samples.zip(interior.samples());
+        let layers = [drawing.contours, drawing.interior];
+        let [mut ink, interior] = layers.map(|layer| layer.expect("both kinds are drawn"));
+        let both = ink.samples_mut().iter_mut().zip(interior.samples());
         both.for_each(|(ink, interior)| *ink += (1.0 - *ink) * interior);
         Ok(ink)
     }
@@ -261,12 +246,8 @@ impl SequenceDrawer {
             ..ToneParams::default()
         };
         let available = Available::in_frame(card);
-        let plan = Plan::new(
-            Goal::Hatch(Tone::Picture, line),
-            available,
-            self.shape,
-            self.scaling,
-        )?;
+        let goal = Goal::Hatch(Tone::Picture, line);
+        let plan = Plan::new(goal, available, self.shape, self.scaling)?;
         let inputs = Inputs {
             sequence: Some(SequenceInputs {
                 before: before.map(|(coordinates, _)| coordinates),
@@ -274,11 +255,8 @@ impl SequenceDrawer {
             }),
             ..Inputs::default()
         };
-        let drawing = self
-            .engine
-            .execute(&plan, card, inputs, &Run::new())?
-            .drawing;
-        let drawing = drawing.expect("a drawing was planned");
+        let outcome = self.engine.execute(&plan, card, inputs, &Run::new())?;
+        let drawing = outcome.drawing.expect("a drawing was planned");
         let coordinates = drawing.coordinates.expect("a sequence has coordinates");
         Ok((drawing.hatching, coordinates))
     }
@@ -287,12 +265,9 @@ impl SequenceDrawer {
 /// A card of one tone facing the viewer, with the outline and depth of `frame`.
 fn card(frame: &Frame, tone: f32) -> Frame {
     let flat = |value| Plane::filled(frame.mask.width(), frame.mask.height(), value);
+    let [x, y, z] = [0.0, 0.0, 1.0].map(flat);
     Frame {
-        normal: Vector3Planes {
-            x: flat(0.0),
-            y: flat(0.0),
-            z: flat(1.0),
-        },
+        normal: Vector3Planes { x, y, z },
         normal_length: None,
         color: Some(ColorPlanes::grey(flat(tone))),
         alpha: None,
@@ -328,13 +303,6 @@ impl Path<'_> {
         });
         differences.sum::<f64>() / self.seen.count().max(1) as f64
     }
-}
-
-/// The covered pixels.
-fn covered(mask: &Mask) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let rows = 0..mask.height();
-    let pixels = rows.flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
-    pixels.filter(|&(x, y)| mask.at(x, y))
 }
 
 /// Bilinear interpolation of a plane; outside, its border is repeated.

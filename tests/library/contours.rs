@@ -1,39 +1,25 @@
 //! Contours in scenes with known edges: their positions and widths, one for each edge, and their junctions.
 
-use crate::common::cpu;
-use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
+use crate::common::{
+    cpu, default_but, mirrored, mirrored_plane, on_threads, quarter_turned, quarter_turned_plane,
+};
 use glam::{DVec3, Vec2};
-use relievo::engine::{Drawing, Inputs};
+use relievo::engine::Drawing;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::line::contours::{Contour, ContourKind};
-use relievo::params::{
-    ContourParams, LineParams, ObjectLines, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
-};
-use relievo::plan::{Available, Goal, Plan, Tone};
+use relievo::params::{ContourParams, LineParams, ObjectLines, StrokeScale};
+use relievo::plan::Tone;
 use relievo::scenes::frames::masked;
 use relievo::scenes::{ExactScene, Surface};
 use std::f32::consts::{PI, TAU};
 
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
-    let drawing = LineParams {
+    let mut line = LineParams {
         contours: Some(contours),
-        strokes: StrokeParams {
-            scale: StrokeScale::Factor(1.0),
-            ..StrokeParams::default()
-        },
         ..LineParams::default()
     };
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(
-        Goal::Hatch(Tone::Picture, drawing),
-        available,
-        shape,
-        scaling,
-    )
-    .unwrap();
-    let outcome = cpu::execute(&plan, frame, Inputs::default()).unwrap();
-    outcome.drawing.expect("a drawing was asked for")
+    line.strokes.scale = StrokeScale::Factor(1.0);
+    cpu::drawn(frame, Tone::Picture, line)
 }
 
 fn drawn(frame: &Frame) -> Drawing {
@@ -64,11 +50,8 @@ fn runs_of_ink(ink: &Plane, from: Vec2, to: Vec2) -> usize {
 }
 
 fn length(contour: &Contour) -> f32 {
-    contour
-        .points
-        .windows(2)
-        .map(|pair| pair[0].distance(pair[1]))
-        .sum()
+    let pairs = contour.points.windows(2);
+    pairs.map(|pair| pair[0].distance(pair[1])).sum()
 }
 
 /// The points every `step` pixels along a line.
@@ -85,12 +68,22 @@ fn evenly(contour: &Contour, step: f32) -> Vec<Vec2> {
     points
 }
 
+/// The least distance of a point from a line.
+fn gap(line: &Contour, from: Vec2) -> f32 {
+    let distances = line.points.iter().map(|p| p.distance(from));
+    distances.fold(f32::INFINITY, f32::min)
+}
+
+/// A scene with this surface at a place of the picture.
+fn at(place: Vec2, surface: Surface) -> ExactScene {
+    ExactScene::orthographic(surface, place.x.into(), place.y.into())
+}
+
 const RADIUS: f32 = 60.0;
 const CENTER: Vec2 = Vec2::new(80.3, 79.6);
 
 fn disc() -> Frame {
-    let ball = Surface::ball(f64::from(RADIUS));
-    ExactScene::orthographic(ball, f64::from(CENTER.x), f64::from(CENTER.y)).frame(160, 160)
+    at(CENTER, Surface::ball(RADIUS.into())).frame(160, 160)
 }
 
 /// The coverage of pixels by a disc, of 16 x 16 samples each.
@@ -132,10 +125,8 @@ fn a_disc_is_one_smooth_closed_line() {
     assert!(line.widths.iter().all(|&w| w <= width && w > 0.97 * width));
     let sum: f32 = ink(&drawing).samples().iter().sum();
     let expected = TAU * RADIUS * width;
-    assert!(
-        (sum - expected).abs() < 0.03 * expected,
-        "{sum} of {expected}"
-    );
+    let is_near = (sum - expected).abs() < 0.03 * expected;
+    assert!(is_near, "{sum} of {expected}");
     assert!((length(line) - TAU * RADIUS).abs() < 0.02 * TAU * RADIUS);
 }
 
@@ -179,37 +170,29 @@ fn the_nearer_ball_is_outlined_whole_and_the_farther_joins_it() {
     let ink = ink(&drawing);
     for i in 0..360 {
         let way = Vec2::from_angle(i as f32 * PI / 180.0);
+        let runs = |edge: Vec2| runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
         let edge = near + near_radius * way;
         // Near the farther ball's own outline both are crossed.
         if (edge.distance(far) - far_radius).abs() > 9.0 {
-            let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
-            assert_eq!(runs, 1, "near ball, {i} degrees");
+            assert_eq!(runs(edge), 1, "near ball, {i} degrees");
         }
         let edge = far + far_radius * way;
         if edge.distance(near) > near_radius + 9.0 {
-            let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
-            assert_eq!(runs, 1, "far ball, {i} degrees");
+            assert_eq!(runs(edge), 1, "far ball, {i} degrees");
         } else if edge.distance(near) < near_radius - 9.0 {
-            let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
-            assert_eq!(runs, 0, "hidden, {i} degrees");
+            assert_eq!(runs(edge), 0, "hidden, {i} degrees");
         }
     }
     // Two lines: around the near ball, closed; around the far one, both ends on the near one's edge.
-    let silhouettes: Vec<_> = drawing.contour_lines.iter().collect();
-    assert_eq!(silhouettes.len(), 2);
-    let (whole, part): (Vec<_>, Vec<_>) =
-        silhouettes.into_iter().partition(|line| line.is_closed());
+    let lines = drawing.contour_lines.iter();
+    let (whole, part): (Vec<_>, Vec<_>) = lines.partition(|line| line.is_closed());
     assert_eq!((whole.len(), part.len()), (1, 1));
     for point in &whole[0].points {
         assert!((point.distance(near) - near_radius).abs() < 0.7, "{point}");
     }
     let ends = [part[0].points[0], part[0].points[part[0].points.len() - 1]];
     for end in ends {
-        let gap = whole[0]
-            .points
-            .iter()
-            .map(|p| p.distance(end))
-            .fold(f32::INFINITY, f32::min);
+        let gap = gap(whole[0], end);
         assert!(gap < 0.8, "an end {gap} px off the near ball's line");
     }
     // The near ball's line is the heavier one.
@@ -232,12 +215,8 @@ fn edges(block: bool, roll: f32) -> [Vec2; 3] {
 fn three_straight_creases_meet_in_a_corner() {
     let corner = Vec2::new(80.3, 78.9);
     for (block, roll) in [(true, 0.0_f32), (true, 0.3), (false, 0.0), (false, 0.45)] {
-        let scene = ExactScene::box_corner(
-            block,
-            f64::from(roll),
-            f64::from(corner.x),
-            f64::from(corner.y),
-        );
+        let [x, y] = corner.as_dvec2().to_array();
+        let scene = ExactScene::box_corner(block, roll.into(), x, y);
         let drawing = drawn(&scene.frame(160, 160));
         let lines = &drawing.contour_lines;
         let lengths: Vec<f32> = lines.iter().map(length).collect();
@@ -246,24 +225,18 @@ fn three_straight_creases_meet_in_a_corner() {
         for line in lines {
             assert_eq!(line.kind, ContourKind::Crease);
             // The point farthest out shows which edge it is.
-            let out = line
-                .points
-                .iter()
-                .max_by(|a, b| a.distance(corner).total_cmp(&b.distance(corner)));
+            let points = line.points.iter();
+            let out = points.max_by(|a, b| a.distance(corner).total_cmp(&b.distance(corner)));
             let way = (*out.unwrap() - corner).normalize();
             let edge = edges
                 .iter()
-                .max_by(|a, b| a.dot(way).total_cmp(&b.dot(way)))
-                .unwrap();
+                .max_by(|a, b| a.dot(way).total_cmp(&b.dot(way)));
+            let edge = edge.unwrap();
             for &point in &line.points {
                 let off = (point - corner).perp_dot(*edge).abs();
                 assert!(off < 0.5, "{block} {roll}: {point} is {off} off");
             }
-            let gap = line
-                .points
-                .iter()
-                .map(|p| p.distance(corner))
-                .fold(f32::INFINITY, f32::min);
+            let gap = gap(line, corner);
             assert!(gap < 0.7, "{block} {roll}: ends {gap} px from the corner");
         }
         for edge in edges {
@@ -285,13 +258,9 @@ fn before(far: Frame, near: &Frame) -> Frame {
         Plane::from_fn(a.width(), a.height(), at)
     };
     let (a, b) = (&far.normal, &near.normal);
-    let normal = Vector3Planes {
-        x: of(&a.x, &b.x),
-        y: of(&a.y, &b.y),
-        z: of(&a.z, &b.z),
-    };
+    let [x, y, z] = [(&a.x, &b.x), (&a.y, &b.y), (&a.z, &b.z)].map(|(a, b)| of(a, b));
     Frame {
-        normal,
+        normal: Vector3Planes { x, y, z },
         depth: Some(of(&depths, &nearer)),
         ..far
     }
@@ -303,16 +272,11 @@ fn an_edge_goes_on_behind_a_ball() {
     // short for a crease of its own.
     let (corner, radius) = (Vec2::new(80.3, 78.7), 14.0);
     let edge = Vec2::Y;
-    let block = ExactScene::box_corner(true, 0.0, f64::from(corner.x), f64::from(corner.y));
-    let at = corner + 54.0 * edge;
-    let ball = ExactScene::orthographic(
-        Surface::ball(f64::from(radius)),
-        f64::from(at.x),
-        f64::from(at.y),
-    );
-    let ball = ball
-        .at_distance(0.9 * Surface::DISTANCE - 120.0)
-        .frame(160, 160);
+    let block = ExactScene::box_corner(true, 0.0, corner.x.into(), corner.y.into());
+    let middle = corner + 54.0 * edge;
+    let ball =
+        at(middle, Surface::ball(radius.into())).at_distance(0.9 * Surface::DISTANCE - 120.0);
+    let ball = ball.frame(160, 160);
     let drawing = drawn(&before(block.frame(160, 160), &ball));
     let is_on_edge = |line: &&Contour| {
         let along = |p: &Vec2| (*p - corner).dot(edge) > -1.0 && (p.x - corner.x).abs() < 0.6;
@@ -322,21 +286,15 @@ fn an_edge_goes_on_behind_a_ball() {
     assert_eq!(parts.len(), 2);
     for part in parts {
         // No point is behind the ball, and the nearest is on its outline.
-        let distances: Vec<f32> = part.points.iter().map(|p| p.distance(at)).collect();
-        let nearest = distances.iter().copied().fold(f32::INFINITY, f32::min);
+        let distances: Vec<f32> = part.points.iter().map(|p| p.distance(middle)).collect();
+        let nearest = gap(part, middle);
         assert!((nearest - radius).abs() < 0.6, "{nearest}");
         // The end there is as heavy as the rest: an open one has a quarter of the width.
-        let end = distances
-            .iter()
-            .position(|&distance| distance == nearest)
-            .unwrap();
+        let end = distances.iter().position(|&distance| distance == nearest);
+        let end = end.unwrap();
         assert!(end == 0 || end + 1 == distances.len());
-        let middle = part.widths[part.widths.len() / 2];
-        assert!(
-            part.widths[end] > 0.9 * middle,
-            "{} of {middle}",
-            part.widths[end]
-        );
+        let (width, usual) = (part.widths[end], part.widths[part.widths.len() / 2]);
+        assert!(width > 0.9 * usual, "{width} of {usual}");
     }
 }
 
@@ -344,7 +302,7 @@ fn an_edge_goes_on_behind_a_ball() {
 fn depth_that_a_filter_spread_gives_the_same_single_line() {
     // A disc one quarter of the distance before a wall, its border pixels mixed by coverage.
     let (near, far) = (Surface::DISTANCE, 1.25 * Surface::DISTANCE);
-    let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 80.0, 80.0).frame(160, 160);
+    let wall = at(Vec2::splat(80.0), Surface::plane(DVec3::Z)).frame(160, 160);
     let coverage = coverage_of_disc();
     for spread in [false, true] {
         let share = |c: f32| if spread { c } else { c.round() };
@@ -363,20 +321,6 @@ fn depth_that_a_filter_spread_gives_the_same_single_line() {
     }
 }
 
-/// The sum of the differences of two planes, and the share of pixels that differ by more than a fifth.
-fn difference(a: &Plane, b: &Plane) -> (f32, f32) {
-    assert_eq!((a.width(), a.height()), (b.width(), b.height()));
-    let apart: Vec<f32> = a
-        .samples()
-        .iter()
-        .zip(b.samples())
-        .map(|(a, b)| (a - b).abs())
-        .collect();
-    let n = apart.len() as f32;
-    let far = apart.iter().filter(|&&d| d > 0.2).count();
-    (apart.iter().sum(), far as f32 / n)
-}
-
 #[test]
 fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
     let corner = ExactScene::box_corner(true, 0.3, 80.3, 78.9).frame(160, 150);
@@ -392,11 +336,13 @@ fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
             (mirrored_plane(ink(&drawing)), mirror),
             (quarter_turned_plane(ink(&drawing)), turned),
         ] {
-            let (sum, far) = difference(&case, ink(&other));
-            assert!(
-                sum < 2.0 * 0.1 * all && far < 2e-4,
-                "{name}: {sum} over {all} px, {far} far apart"
-            );
+            let pairs = case.samples().iter().zip(ink(&other).samples());
+            let apart: Vec<f32> = pairs.map(|(a, b)| (a - b).abs()).collect();
+            let sum: f32 = apart.iter().sum();
+            // The share of pixels that differ by more than a fifth.
+            let far = apart.iter().filter(|&&d| d > 0.2).count() as f32 / apart.len() as f32;
+            let is_near = sum < 2.0 * 0.1 * all && far < 2e-4;
+            assert!(is_near, "{name}: {sum} over {all} px, {far} far apart");
         }
     }
 }
@@ -404,24 +350,15 @@ fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let frame = balls().0;
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| drawn(&frame))
-    };
-    let (one, five) = (with(1), with(5));
+    let [one, five] = [1, 5].map(|threads| on_threads(threads, || drawn(&frame)));
     assert_eq!(one.contour_lines, five.contour_lines);
     assert_eq!(ink(&one), ink(&five));
 }
 
 #[test]
 fn hard_frames_give_finite_drawings() {
-    let flat = |width, height| {
-        ExactScene::orthographic(Surface::plane(DVec3::new(0.3, 0.2, 1.0)), 20.0, 20.0)
-            .frame(width, height)
-    };
+    let flat = at(Vec2::splat(20.0), Surface::plane(DVec3::new(0.3, 0.2, 1.0)));
+    let flat = |width, height| flat.frame(width, height);
     let wall = flat(97, 83);
     let mut rough = wall.clone();
     // Normals that turn by 90 degrees from pixel to pixel.
@@ -438,47 +375,34 @@ fn hard_frames_give_finite_drawings() {
     }));
     bad.normal.x = Plane::from_fn(97, 83, |x, _| if x % 7 == 0 { f32::NAN } else { 0.0 });
     bad.alpha = Some(Plane::filled(97, 83, f32::NAN));
+    let part = |mask: fn(usize, usize) -> bool| masked(wall.clone(), mask);
     let frames = [
         ("one pixel", flat(1, 1)),
         ("one row", flat(50, 1)),
         ("one column", flat(1, 50)),
         ("full", wall.clone()),
-        ("empty mask", masked(wall.clone(), |_, _| false)),
-        (
-            "one covered pixel",
-            masked(wall.clone(), |x, y| (x, y) == (40, 40)),
-        ),
-        (
-            "checkerboard",
-            masked(wall.clone(), |x, y| (x + y) % 2 == 0),
-        ),
-        ("stripes", masked(wall.clone(), |x, _| x % 2 == 0)),
+        ("empty mask", part(|_, _| false)),
+        ("one covered pixel", part(|x, y| (x, y) == (40, 40))),
+        ("checkerboard", part(|x, y| (x + y) % 2 == 0)),
+        ("stripes", part(|x, _| x % 2 == 0)),
         ("crease everywhere", rough),
         ("steps everywhere", steps),
         ("bad values", masked(bad.clone(), |x, y| x > 10 || y > 20)),
     ];
     for (name, frame) in &frames {
         for width_px in [0.1, 2.0, 500.0] {
-            let params = ContourParams {
-                width_px,
-                ..ContourParams::default()
-            };
-            let drawing = drawn_with(frame, params);
-            let is_share = |&c: &f32| (0.0..=1.0).contains(&c);
-            assert!(
-                ink(&drawing).samples().iter().all(is_share),
-                "{name}, {width_px} px"
+            let drawing = drawn_with(
+                frame,
+                default_but(|p: &mut ContourParams| p.width_px = width_px),
             );
+            let mut samples = ink(&drawing).samples().iter();
+            let are_shares = samples.all(|c| (0.0..=1.0).contains(c));
+            assert!(are_shares, "{name}, {width_px} px");
             for line in &drawing.contour_lines {
                 assert_eq!(line.points.len(), line.widths.len());
                 let finite = line.points.iter().all(|p| p.is_finite())
                     && line.widths.iter().all(|w| w.is_finite() && *w >= 0.0);
-                assert!(
-                    finite,
-                    "{name}, {width_px} px: {:?} {:?}",
-                    &line.points[..3.min(line.points.len())],
-                    &line.widths[..3.min(line.points.len())]
-                );
+                assert!(finite, "{name}, {width_px} px: {line:?}");
             }
         }
     }
@@ -491,21 +415,17 @@ fn hard_frames_give_finite_drawings() {
 #[test]
 fn specks_are_left_out_unless_asked_for() {
     let ball = disc();
-    let speckled = masked(ball.clone(), |x, y| {
-        ball.mask.at(x, y) && (x, y) != (80, 80)
-    });
+    let is_seen = |x, y| ball.mask.at(x, y) && (x, y) != (80, 80);
+    let speckled = masked(ball.clone(), is_seen);
     assert_eq!(drawn(&speckled).contour_lines.len(), 1);
-    let params = ContourParams {
-        shortest_px: 0.0,
-        ..ContourParams::default()
-    };
+    let params = default_but(|params: &mut ContourParams| params.shortest_px = 0.0);
     assert_eq!(drawn_with(&speckled, params).contour_lines.len(), 2);
 }
 
 #[test]
 fn lines_run_off_the_picture() {
     // The upper half is covered: one line from border to border, of full width to the last pixel.
-    let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 20.0, 20.0).frame(60, 40);
+    let wall = at(Vec2::splat(20.0), Surface::plane(DVec3::Z)).frame(60, 40);
     let drawing = drawn(&masked(wall.clone(), |_, y| y < 20));
     assert_eq!(drawing.contour_lines.len(), 1);
     for x in [0, 30, 59] {
@@ -517,27 +437,26 @@ fn lines_run_off_the_picture() {
     }
 }
 
+/// A grey wall of 200 by 120 pixels, at these depths.
+fn wall(depth: impl Fn(usize, usize) -> f32) -> Frame {
+    let normal = Vector3Planes::from_fn(200, 120, |_, _| DVec3::Z);
+    Frame {
+        depth: Some(Plane::from_fn(200, 120, depth)),
+        color: Some(ColorPlanes::grey(Plane::filled(200, 120, 0.5))),
+        ..Frame::of_normals(normal, Mask::full(200, 120))
+    }
+}
+
 /// A wall of two objects that touch along a slanted line, with a shelf before its lower half, which is a third object.
 fn objects_in_a_plane() -> Frame {
-    let (width, height) = (200, 120);
-    let normal = Vector3Planes::from_fn(width, height, |_, _| DVec3::Z);
-    let grey = Plane::filled(width, height, 0.5);
     let object = |x: usize, y: usize| match slanted(y as f32 + 0.5) {
         _ if y >= 60 => 3.0,
         border if x as f32 + 0.5 < border => 1.0,
         _ => 2.0,
     };
     Frame {
-        depth: Some(Plane::from_fn(width, height, |_, y| {
-            if y < 60 { 400.0 } else { 300.0 }
-        })),
-        objects: Some(Plane::from_fn(width, height, object)),
-        color: Some(ColorPlanes {
-            r: grey.clone(),
-            g: grey.clone(),
-            b: grey,
-        }),
-        ..Frame::of_normals(normal, Mask::full(width, height))
+        objects: Some(Plane::from_fn(200, 120, object)),
+        ..wall(|_, y| if y < 60 { 400.0 } else { 300.0 })
     }
 }
 
@@ -561,10 +480,8 @@ fn objects_in_one_plane_have_a_line_between_them_and_none_beside_a_silhouette() 
         assert!(farthest < 0.8, "{farthest}");
         // From the border of the picture, beyond which it goes on, to the silhouette along row 60.
         let ends = line.points.iter().map(|p| p.y / times);
-        let [least, most] = [
-            ends.clone().fold(f32::INFINITY, f32::min),
-            ends.fold(f32::NEG_INFINITY, f32::max),
-        ];
+        let least = ends.clone().fold(f32::INFINITY, f32::min);
+        let most = ends.fold(f32::NEG_INFINITY, f32::max);
         assert!(
             least < 0.0 && (59.0..61.0).contains(&most),
             "{least} {most}"
@@ -604,20 +521,7 @@ fn plate() -> Frame {
         let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
         HOLES.iter().any(|hole| hole.distance(at) < HOLE)
     };
-    let depth = Plane::from_fn(200, 120, |x, y| if is_hole(x, y) { 102.0 } else { 100.0 });
-    let grey = Plane::filled(200, 120, 0.5);
-    Frame {
-        depth: Some(depth),
-        color: Some(ColorPlanes {
-            r: grey.clone(),
-            g: grey.clone(),
-            b: grey,
-        }),
-        ..Frame::of_normals(
-            Vector3Planes::from_fn(200, 120, |_, _| DVec3::Z),
-            Mask::full(200, 120),
-        )
-    }
+    wall(|x, y| if is_hole(x, y) { 102.0 } else { 100.0 })
 }
 
 #[test]

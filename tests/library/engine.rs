@@ -1,6 +1,6 @@
 //! The engine as a caller meets it: requests, and how they are run.
 
-use crate::common::bits;
+use crate::common::{bits, default_but};
 use glam::{DAffine3, DVec3, Vec3};
 use relievo::Error;
 use relievo::engine::{
@@ -10,7 +10,7 @@ use relievo::frame::{
     Camera, ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Plane, Projection,
     Vector2Planes, Vector3Planes, Window,
 };
-use relievo::light::lights::{DirectionalLight, Illumination, LightKinds};
+use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
     Adaptive, AlbedoSource, LineParams, Params, RelightParams, Scale, ScalingParams, ShapeParams,
     Style,
@@ -22,16 +22,9 @@ use std::sync::Mutex;
 
 fn waves() -> Frame {
     let mut frame = Scene::waves(80, 90).frame;
-    let channel = |hue: f32| {
-        Plane::from_fn(80, 90, |x, y| {
-            hue * (0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin())
-        })
-    };
-    frame.color = Some(ColorPlanes {
-        r: channel(0.9),
-        g: channel(0.7),
-        b: channel(0.5),
-    });
+    let light = |x, y| 0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin();
+    let [r, g, b] = [0.9, 0.7, 0.5].map(|hue| Plane::from_fn(80, 90, |x, y| hue * light(x, y)));
+    frame.color = Some(ColorPlanes { r, g, b });
     frame
 }
 
@@ -43,19 +36,31 @@ fn lamp() -> Illumination {
 }
 
 fn shape() -> ShapeParams {
-    ShapeParams {
-        scale: Scale::Iterations(6),
-        ..ShapeParams::default()
-    }
+    default_but(|shape: &mut ShapeParams| shape.scale = Scale::Iterations(6))
+}
+
+/// Of this shape, with the defaults of scaling.
+fn usual() -> Params {
+    Params::of(shape(), ScalingParams::default())
 }
 
 /// Parameters with nothing chosen from the frame.
-fn given() -> ScalingParams {
-    ScalingParams {
+fn given() -> Params {
+    let scaling = ScalingParams {
         curvature_gain: Adaptive::Fixed(3.0),
         white_level: Adaptive::Fixed(1.0),
         ..ScalingParams::default()
-    }
+    };
+    Params::of(shape(), scaling)
+}
+
+fn hatch(tone: Tone, line: LineParams) -> Request<'static> {
+    Request::new(Goal::Hatch(tone, line), usual())
+}
+
+/// Lines of this style.
+fn styled(style: Style) -> LineParams {
+    default_but(|line: &mut LineParams| line.strokes.style = style)
 }
 
 #[test]
@@ -65,43 +70,20 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
         color: None,
         ..frame.clone()
     };
-    let shape = shape();
-    let scaling = ScalingParams::default();
-    let available = Available::in_frame(&frame);
-    let light = lamp();
-    let relit = Request::relight(
-        Params {
-            relight: RelightParams::default(),
-            ..Params::of(shape, scaling)
-        },
-        &light,
-    );
-    let relit = relit.plan(available).unwrap();
-    let enhanced = Request::enhance(Params::of(shape, scaling))
-        .plan(available)
-        .unwrap();
-    let mut line = LineParams::default();
-    line.strokes.style = Style::Pictures;
-    let drawn = Request::new(Goal::Hatch(Tone::Picture, line), Params::of(shape, scaling));
-    let drawn = drawn.plan(available).unwrap();
-    let spheres = LightKinds {
-        lit_spheres: 1,
-        ..LightKinds::default()
-    };
+    let (available, light) = (Available::in_frame(&frame), lamp());
+    let planned = |request: Request| request.plan(available).unwrap();
+    let relit = planned(Request::relight(usual(), &light));
+    let enhanced = planned(Request::enhance(usual()));
+    let drawn = planned(hatch(Tone::Picture, styled(Style::Pictures)));
     // Even light alone: the plan was made without lamps.
-    let even = Goal::Relight(RelightParams::default());
-    let even = Plan::new(even, available, shape, scaling).unwrap();
-    let sphere = RelightParams::default();
-    let sphere = Plan::new(
-        Goal::Relight(sphere),
-        Available {
-            new_light: spheres,
-            ..available
-        },
-        shape,
-        scaling,
-    )
-    .unwrap();
+    let new_light = |available| {
+        let goal = Goal::Relight(RelightParams::default());
+        Plan::new(goal, available, shape(), ScalingParams::default()).unwrap()
+    };
+    let even = new_light(available);
+    let mut with_sphere = available;
+    with_sphere.new_light.lit_spheres = 1;
+    let sphere = new_light(with_sphere);
     let engine = Engine::cpu();
     for (plan, frame, inputs, what) in [
         (&relit, &frame, Inputs::default(), "takes light"),
@@ -135,6 +117,7 @@ const LAYERS: [fn(&mut Frame); 9] = [
 fn with_all_layers() -> Frame {
     let frame = waves().crop(Window::at(10, 10, 24, 20));
     let color = frame.color.clone();
+    let [fx, fy, cx, cy] = [40.0, 40.0, 12.0, 10.0];
     let ones = Plane::filled(24, 20, 1.0);
     let lobe = |lobe| LobeLayers {
         lobe,
@@ -153,12 +136,7 @@ fn with_all_layers() -> Frame {
         depth: Some(Plane::from_fn(24, 20, |x, _| 50.0 + x as f32)),
         camera: Some(Camera {
             view_from_world: DAffine3::IDENTITY,
-            projection: Projection::Perspective {
-                fx: 40.0,
-                fy: 40.0,
-                cx: 12.0,
-                cy: 10.0,
-            },
+            projection: Projection::Perspective { fx, fy, cx, cy },
         }),
         occlusion: Some(ones.clone()),
         importance: Some(ones),
@@ -174,107 +152,49 @@ fn with_all_layers() -> Frame {
 
 /// Requests of every kind, and whether they cannot do without a picture.
 fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
-    let (shape, scaling, relight) = (shape(), ScalingParams::default(), RelightParams::default());
-    let point = |tone, change: fn(&mut LineParams)| {
-        let mut line = LineParams::default();
-        change(&mut line);
-        Request::new(Goal::Hatch(tone, line), Params::of(shape, scaling)).lit_by(light)
+    let relit = RelightParams::default();
+    let drawn = |tone, line| hatch(tone, line).lit_by(light);
+    let of_shape = |line| drawn(Tone::Shape(None), line);
+    let (mut idle, mut of_picture) = (usual(), usual());
+    idle.scaling.scaling = 0.0;
+    of_picture.relight.albedo = AlbedoSource::Estimate;
+    let mut shadows = LineParams::default();
+    shadows.interior.as_mut().unwrap().shadow_share = 0.5;
+    let relief = Goal::Layers {
+        and: &[Product::Height, Product::Sky, Product::BentNormal],
+        more_px: &[],
     };
-    let idle = ScalingParams {
-        scaling: 0.0,
-        ..scaling
-    };
-    let of_picture = RelightParams {
-        albedo: AlbedoSource::Estimate,
-        ..relight
-    };
-    const RELIEF: &[Product] = &[Product::Height, Product::Sky, Product::BentNormal];
-    let relit = Some(relight);
+    let usual_line = LineParams::default();
+    let lines_only = default_but(|line: &mut LineParams| line.lines_only = true);
     vec![
-        ("layers", false, Request::layers(Params::of(shape, scaling))),
-        (
-            "relief",
-            false,
-            Request::new(
-                Goal::Layers {
-                    and: RELIEF,
-                    more_px: &[],
-                },
-                Params::of(shape, scaling),
-            ),
-        ),
-        (
-            "display",
-            false,
-            Request::display(Params::of(shape, scaling)),
-        ),
-        (
-            "enhance",
-            true,
-            Request::enhance(Params::of(shape, scaling)),
-        ),
-        (
-            "enhance by 0",
-            true,
-            Request::enhance(Params::of(shape, idle)),
-        ),
-        (
-            "relight",
-            false,
-            Request::relight(
-                Params {
-                    relight,
-                    ..Params::of(shape, scaling)
-                },
-                light,
-            ),
-        ),
+        ("layers", false, Request::layers(usual())),
+        ("relief", false, Request::new(relief, usual())),
+        ("display", false, Request::display(usual())),
+        ("enhance", true, Request::enhance(usual())),
+        ("enhance by 0", true, Request::enhance(idle)),
+        ("relight", false, Request::relight(usual(), light)),
         (
             "relight its colours",
             true,
-            Request::relight(
-                Params {
-                    relight: of_picture,
-                    ..Params::of(shape, scaling)
-                },
-                light,
-            ),
+            Request::relight(of_picture, light),
         ),
-        ("tone of the picture", true, point(Tone::Picture, |_| ())),
-        ("tone enhanced", true, point(Tone::Enhanced, |_| ())),
-        ("tone relit", false, point(Tone::Relit(relight), |_| ())),
-        ("tone of shape", false, point(Tone::Shape(None), |_| ())),
+        (
+            "tone of the picture",
+            true,
+            drawn(Tone::Picture, usual_line),
+        ),
+        ("tone enhanced", true, drawn(Tone::Enhanced, usual_line)),
+        ("tone relit", false, drawn(Tone::Relit(relit), usual_line)),
+        ("tone of shape", false, of_shape(usual_line)),
         (
             "tone of shape, lit",
             false,
-            point(Tone::Shape(relit), |_| ()),
+            drawn(Tone::Shape(Some(relit)), usual_line),
         ),
-        (
-            "engraving",
-            false,
-            point(Tone::Shape(None), |line| {
-                line.strokes.style = Style::Engraving
-            }),
-        ),
-        (
-            "stipple",
-            false,
-            point(Tone::Shape(None), |line| {
-                line.strokes.style = Style::Stipple
-            }),
-        ),
-        (
-            "lines only",
-            false,
-            point(Tone::Picture, |line| line.lines_only = true),
-        ),
-        (
-            "shadows",
-            false,
-            point(Tone::Shape(None), |line| {
-                line.interior.as_mut().unwrap().shadow_share = 0.5;
-            }),
-        ),
+        ("engraving", false, of_shape(styled(Style::Engraving))),
+        ("stipple", false, of_shape(styled(Style::Stipple))),
+        ("lines only", false, drawn(Tone::Picture, lines_only)),
+        ("shadows", false, of_shape(shadows)),
     ]
 }
 
@@ -301,23 +221,15 @@ fn a_request_without_its_layers_is_an_error_of_one_line() {
             let available = Available::in_frame(frame);
             let done = engine.run(&request, frame, &Run::new());
             let fails = takes_picture && frame.color.is_none();
-            assert_eq!(
-                done.is_err(),
-                fails,
-                "{name}: {:?} {available:?}",
-                done.err()
-            );
+            assert_eq!(done.is_err(), fails, "{name}: {available:?}");
             if let Err(error) = done {
                 let line = error.to_string();
                 assert!(line.contains("picture") && !line.contains('\n'), "{line}");
             }
             let done = engine.execute(&plan, frame, request.inputs, &Run::new());
             // Strokes do without the directions of objects.
-            let object_angles = true;
-            let needed = Available {
-                object_angles,
-                ..available
-            };
+            let mut needed = available;
+            needed.object_angles = true;
             let is_fit = needed == Available::in_frame(&whole);
             let is_unfit = matches!(done, Err(Error::Unfit { .. }));
             assert_eq!(is_unfit, !is_fit, "{name}: {:?} {available:?}", done.err());
@@ -328,7 +240,7 @@ fn a_request_without_its_layers_is_an_error_of_one_line() {
 #[test]
 fn a_cancelled_run_ends_and_the_next_does_not() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::enhance(Params::of(shape(), ScalingParams::default()));
+    let request = Request::enhance(usual());
     let token = CancelToken::new();
     // In the middle: as soon as diffusion begins.
     let tell = |at: Progress| {
@@ -353,25 +265,11 @@ fn a_cancelled_run_ends_and_the_next_does_not() {
 /// gives the samples of one that was never cancelled.
 #[test]
 fn wherever_a_run_is_cancelled_its_session_stays_whole() {
-    let (frame, light, scaling) = (waves(), lamp(), ScalingParams::default());
-    let drawing = |style: Style| {
-        let mut line = LineParams::default();
-        line.strokes.style = style;
-        Request::new(
-            Goal::Hatch(Tone::Shape(None), line),
-            Params::of(shape(), scaling),
-        )
-    };
-    let relit = RelightParams::default();
+    let (frame, light) = (waves(), lamp());
+    let drawing = |style| hatch(Tone::Shape(None), styled(style));
     let requests = [
-        Request::layers(Params::of(shape(), scaling)),
-        Request::relight(
-            Params {
-                relight: relit,
-                ..Params::of(shape(), scaling)
-            },
-            &light,
-        ),
+        Request::layers(usual()),
+        Request::relight(usual(), &light),
         drawing(Style::Pen),
         drawing(Style::Lines),
         drawing(Style::Stipple),
@@ -411,22 +309,20 @@ fn wherever_a_run_is_cancelled_its_session_stays_whole() {
 fn progress_goes_up_to_the_end() {
     let said = Mutex::new(Vec::new());
     let tell = |at: Progress| said.lock().unwrap().push(at);
-    let request = Request::enhance(Params::of(shape(), ScalingParams::default()));
+    let request = Request::enhance(usual());
     let run = Run::new().progress(&tell);
     Engine::cpu().run(&request, &waves(), &run).unwrap();
     let said = said.lock().unwrap();
     assert!(said.is_sorted_by(|a, b| a.done <= b.done), "{said:?}");
     assert!(said.iter().any(|at| at.stage == "radiance-scaling"));
-    assert_eq!(
-        said.last().map(|at| (at.stage, at.done)),
-        Some(("done", 1.0))
-    );
+    let last = said.last().map(|at| (at.stage, at.done));
+    assert_eq!(last, Some(("done", 1.0)));
 }
 
 #[test]
 fn a_region_is_that_part_of_the_whole() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::enhance(Params::of(shape(), given()));
+    let request = Request::enhance(given());
     let window = frame.data_window;
     let region = Window::at(window.x0 + 20, window.y0 + 33, 31, 17);
     let whole = engine.run(&request, &frame, &Run::new()).unwrap();
@@ -448,11 +344,8 @@ fn a_region_is_that_part_of_the_whole() {
 fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
     let (frame, engine, line) = (waves(), Engine::cpu(), LineParams::default());
     let drawn = |frame: &Frame, sequence: SequenceInputs, region: Option<Window>| {
-        let request = Request::new(
-            Goal::Hatch(Tone::Picture, line),
-            Params::of(shape(), given()),
-        )
-        .in_sequence(sequence);
+        let request = Request::new(Goal::Hatch(Tone::Picture, line), given());
+        let request = request.in_sequence(sequence);
         let run = region.map_or(Run::new(), |region| Run::new().region(region));
         let plan = request.plan(Available::in_frame(frame)).unwrap();
         let outcome = engine.run(&request, frame, &run).unwrap();
@@ -465,12 +358,12 @@ fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
     let (window, still) = (frame.data_window, SequenceInputs::default());
     let region = Window::at(window.x0 + 20, window.y0 + 33, 31, 17);
     let (first, reach) = drawn(&frame, still, Some(region));
-    let around = Window::at(
-        region.x0 - reach,
-        region.y0 - reach,
-        region.width() + 2 * reach as usize,
-        region.height() + 2 * reach as usize,
-    );
+    let around = Window {
+        x0: region.x0 - reach,
+        y0: region.y0 - reach,
+        x1: region.x1 + reach,
+        y1: region.y1 + reach,
+    };
     let around = around.common(&window).unwrap();
     let part = frame.crop(around);
     let (expected, _) = drawn(&part, still, None);
@@ -491,7 +384,7 @@ fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
 #[test]
 fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::layers(Params::of(shape(), given()));
+    let request = Request::layers(given());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
     let pool = pool.unwrap();
     let (mut hessian, mut kappa) = (vec![0.0; 3 * 80 * 90], vec![0.0; 80 * 90]);
@@ -511,7 +404,7 @@ fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
 #[test]
 fn memory_of_another_size_is_refused_before_anything_is_done() {
     let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::layers(Params::of(shape(), given()));
+    let request = Request::layers(given());
     let tell = |at: Progress| panic!("{} began", at.stage);
     let mut session = Session::new(Engine::cpu(), frame.clone());
     let mut short = vec![0.0; 80 * 90 - 1];

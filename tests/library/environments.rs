@@ -72,7 +72,7 @@ fn made_up() -> Environment {
 }
 
 /// All maps: the synthetic one, and the real ones if present.
-fn maps() -> Vec<(String, Environment)> {
+fn maps() -> Vec<(&'static str, Environment)> {
     let files = [
         "courtyard_512.hdr",
         "interior_1k_dwab.exr",
@@ -81,9 +81,9 @@ fn maps() -> Vec<(String, Environment)> {
     ];
     let real = files.into_iter().filter_map(|name| {
         let path = real(&format!("env/{name}"))?;
-        Some((name.to_string(), read_environment(&path).unwrap()))
+        Some((name, read_environment(&path).unwrap()))
     });
-    std::iter::once(("made up".to_string(), made_up()))
+    std::iter::once(("made up", made_up()))
         .chain(real)
         .collect()
 }
@@ -149,12 +149,7 @@ fn written(path: &Path, format: PictureFormat, color: &ColorPlanes) {
 }
 
 fn grey(width: usize, height: usize, value: f32) -> ColorPlanes {
-    let plane = Plane::filled(width, height, value);
-    ColorPlanes {
-        r: plane.clone(),
-        g: plane.clone(),
-        b: plane,
-    }
+    ColorPlanes::grey(Plane::filled(width, height, value))
 }
 
 #[test]
@@ -189,23 +184,18 @@ fn what_cannot_light_is_refused_in_one_line() {
     let path = directory.path().join("upright.png");
     written(&path, PictureFormat::Png, &grey(30, 50, 0.5));
     let message = read_environment(&path).unwrap_err().to_string();
-    assert!(
-        message.contains("upright.png: is 30x50") && message.contains("2:1"),
-        "{message}"
-    );
+    let is_told = message.contains("upright.png: is 30x50") && message.contains("2:1");
+    assert!(is_told, "{message}");
     let text = directory.path().join("notes.png");
     std::fs::write(&text, "no picture").unwrap();
     let absent = directory.path().join("absent.hdr");
     for path in [&text, &absent] {
-        for message in [
-            read_environment(path).unwrap_err().to_string(),
-            read_lit_sphere(path).unwrap_err().to_string(),
-        ] {
-            let name = path.file_name().unwrap().to_str().unwrap();
-            assert!(
-                message.contains(name) && !message.contains('\n'),
-                "{message}"
-            );
+        let map = read_environment(path).unwrap_err().to_string();
+        let sphere = read_lit_sphere(path).unwrap_err().to_string();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        for message in [map, sphere] {
+            let is_one_line = message.contains(name) && !message.contains('\n');
+            assert!(is_one_line, "{message}");
         }
     }
 }
@@ -248,16 +238,11 @@ fn real_lit_spheres_are_read() {
 
 #[test]
 fn one_place_in_two_formats_gives_the_same_light() {
-    let (Some(hdr), Some(exr)) = (
-        real("env/courtyard_512.hdr"),
-        real("env/courtyard_512_half_zip.exr"),
-    ) else {
+    let files = ["courtyard_512.hdr", "courtyard_512_half_zip.exr"];
+    let [Some(hdr), Some(exr)] = files.map(|name| real(&format!("env/{name}"))) else {
         return;
     };
-    let (hdr, exr) = (
-        read_environment(&hdr).unwrap(),
-        read_environment(&exr).unwrap(),
-    );
+    let [hdr, exr] = [hdr, exr].map(|path| read_environment(&path).unwrap());
     for (a, b) in hdr.power().into_iter().zip(exr.power()) {
         // HDR keeps 8 bits of the brightest channel.
         assert!((a / b - 1.0).abs() < 0.01, "{a}, {b}");

@@ -1,10 +1,12 @@
 //! Frames without normals: those of depth, positions, or heights take their place.
 
 use crate::common::exr::Part;
+use crate::common::files::{load, try_load};
+use crate::common::places;
 use glam::DVec3;
 use relievo::frame::{Camera, Frame, Plane, Projection, StoredDepth};
+use relievo::io::Loaded;
 use relievo::io::inputs::{Inputs, KnownCamera};
-use relievo::io::{Loaded, Needs, load};
 use relievo::scenes::{ExactScene, Surface};
 use std::path::Path;
 
@@ -24,20 +26,20 @@ fn read(
     let desk = tempfile::tempdir().unwrap();
     let path = desk.path().join("in.exr");
     Part::of(channels.iter().copied()).write(&path);
-    load(&inputs(&path, camera, change), Needs::default())
+    try_load(path, |inputs, _| {
+        inputs.known_camera = camera.map(known);
+        change(inputs);
+    })
 }
 
-fn inputs(path: &Path, camera: Option<Camera>, change: impl Fn(&mut Inputs)) -> Inputs {
-    let mut inputs = Inputs {
-        picture: path.into(),
-        known_camera: camera.map(|camera| KnownCamera {
-            camera,
-            is_placed: true,
-        }),
-        ..Inputs::default()
-    };
-    change(&mut inputs);
-    inputs
+fn known(camera: Camera) -> KnownCamera {
+    let is_placed = true;
+    KnownCamera { camera, is_placed }
+}
+
+/// Sets another file as depth.
+fn with_depth(inputs: &mut Inputs, path: &Path) {
+    inputs.depth = Some(path.to_str().unwrap().into());
 }
 
 fn tells(found: &Loaded, what: &str) -> bool {
@@ -51,14 +53,11 @@ fn is_inner(x: usize, y: usize) -> bool {
 
 /// The largest angle, in degrees, between two frames' normals, of pixels that `counts`; all these are covered.
 fn worst_deg(found: &Frame, exact: &Frame, counts: impl Fn(usize, usize) -> bool) -> f64 {
-    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
-    let off = pixels.filter(|&(x, y)| counts(x, y)).map(|(x, y)| {
+    let counted = places(SIZE[0], SIZE[1]).filter(|&(x, y)| counts(x, y));
+    let off = counted.map(|(x, y)| {
         assert!(found.mask.at(x, y), "({x}, {y})");
-        found
-            .normal
-            .at(x, y)
-            .angle_between(exact.normal.at(x, y))
-            .to_degrees()
+        let [found, exact] = [found, exact].map(|frame| frame.normal.at(x, y));
+        found.angle_between(exact).to_degrees()
     });
     off.fold(0.0, f64::max)
 }
@@ -90,12 +89,8 @@ fn positions_serve_as_depth_does() {
     let ball = seen(Surface::ball(30.0));
     let exact = ExactScene::orthographic(Surface::ball(30.0), 48.0, 40.0).in_perspective();
     let position = [0, 1, 2].map(|axis| {
-        let place = |x, y| {
-            exact
-                .exact(x, y)
-                .map_or(0.0, |seen| seen.point[axis] as f32)
-        };
-        Plane::from_fn(SIZE[0], SIZE[1], place)
+        let seen = |x, y| exact.exact(x, y).map(|seen| seen.point[axis] as f32);
+        Plane::from_fn(SIZE[0], SIZE[1], |x, y| seen(x, y).unwrap_or(0.0))
     });
     let [x, y, z] = &position;
     let channels = [("Position.X", x), ("Position.Y", y), ("Position.Z", z)];
@@ -108,9 +103,8 @@ fn positions_serve_as_depth_does() {
 /// A height of .3 x - .2 y, x right and y down, leans by (-.3, -.2): 0 and less are heights too.
 #[test]
 fn heights_below_0_are_heights() {
-    let height = Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
-        0.15 * x as f32 - 0.1 * y as f32 - 3.0
-    });
+    let slanted = |x: usize, y: usize| 0.15 * x as f32 - 0.1 * y as f32 - 3.0;
+    let height = Plane::from_fn(SIZE[0], SIZE[1], slanted);
     let found = read(&[("H", &height)], None, |inputs| {
         inputs.depth = Some("H".into());
         inputs.depth_kind = Some(StoredDepth::Height);
@@ -119,17 +113,13 @@ fn heights_below_0_are_heights() {
     let frame = found.unwrap().frame;
     let expected = DVec3::new(-0.3, -0.2, 1.0).normalize();
     for (x, y) in [(0, 0), (95, 79), (20, 60)] {
-        assert!(
-            frame.normal.at(x, y).distance(expected) < 1e-5,
-            "({x}, {y})"
-        );
+        let off = frame.normal.at(x, y).distance(expected);
+        assert!(off < 1e-5, "({x}, {y})");
     }
     assert_eq!(frame.mask.count(), SIZE[0] * SIZE[1]);
     let projection = frame.camera.unwrap().projection;
-    assert!(matches!(
-        projection,
-        Projection::Orthographic { sx: 1.0, .. }
-    ));
+    let is_parallel = matches!(projection, Projection::Orthographic { sx: 1.0, .. });
+    assert!(is_parallel);
 }
 
 /// What nothing says is told, and how to say it.
@@ -148,10 +138,8 @@ fn guesses_are_told() {
     assert!(far.unwrap().frame.normal.at(40, 40).x > 0.05);
     let grey = [("R", &ramp), ("G", &ramp), ("B", &ramp)];
     let error = read(&grey, None, |_| ()).err().unwrap().to_string();
-    assert!(
-        error.contains("--normal FILE") && error.contains("--depth LAYER|FILE"),
-        "{error}"
-    );
+    let remedies = ["--normal FILE", "--depth LAYER|FILE"];
+    assert!(remedies.iter().all(|flag| error.contains(flag)), "{error}");
 }
 
 /// A bump is a bump in distances and in disparity, which a name tells; where none does, that is told. Colours are refused.
@@ -159,10 +147,8 @@ fn guesses_are_told() {
 fn disparity_is_known_by_its_name() {
     let desk = tempfile::tempdir().unwrap();
     let photo = desk.path().join("photo.png");
-    let grey = image::Rgb([90; 3]);
-    image::RgbImage::from_pixel(96, 80, grey)
-        .save(&photo)
-        .unwrap();
+    let grey = image::RgbImage::from_pixel(96, 80, image::Rgb([90; 3]));
+    grey.save(&photo).unwrap();
     // The ball's nearest point is in the middle, where 1/z is largest: to the left of it normals point left.
     let exact = seen(Surface::ball(30.0));
     let depth = exact.depth.as_ref().unwrap();
@@ -170,10 +156,10 @@ fn disparity_is_known_by_its_name() {
         let path = desk.path().join(name);
         let plane = depth.map(|z| if z > 0.0 { 40.0 * of(z) } else { 0.0 });
         Part::of([("Y", &plane)]).write(&path);
-        let inputs = inputs(&photo, exact.camera, |inputs| {
-            inputs.depth = Some(path.to_str().unwrap().into());
-        });
-        load(&inputs, Needs::default()).unwrap()
+        load(&photo, |inputs, _| {
+            inputs.known_camera = exact.camera.map(known);
+            with_depth(inputs, &path);
+        })
     };
     for name in ["ball_disparity.exr", "inverse_depth.exr", "a.exr"] {
         let found = save(name, if name == "a.exr" { |z| z } else { |z| 1.0 / z });
@@ -181,13 +167,10 @@ fn disparity_is_known_by_its_name() {
     }
     let colours = desk.path().join("depth.png");
     let colour = |x, _| image::Rgb([x as u8, 200 - x as u8, 40]);
-    image::RgbImage::from_fn(96, 80, colour)
-        .save(&colours)
-        .unwrap();
-    let inputs = inputs(&photo, None, |inputs| {
-        inputs.depth = Some(colours.to_str().unwrap().into());
-    });
-    let error = load(&inputs, Needs::default()).err().unwrap().to_string();
+    let picture = image::RgbImage::from_fn(96, 80, colour);
+    picture.save(&colours).unwrap();
+    let refused = try_load(&photo, |inputs, _| with_depth(inputs, &colours));
+    let error = refused.err().unwrap().to_string();
     assert!(error.contains("is in colours"), "{error}");
 }
 
@@ -196,20 +179,15 @@ fn disparity_is_known_by_its_name() {
 fn heights_are_no_colours_of_what_is_lit() {
     let desk = tempfile::tempdir().unwrap();
     let path = desk.path().join("heights.png");
-    image::GrayImage::from_fn(32, 24, |x, y| image::Luma([(4 * x + y) as u8]))
-        .save(&path)
-        .unwrap();
-    let inputs = inputs(&path, None, |inputs| {
-        inputs.depth = Some(path.to_str().unwrap().into());
-        inputs.depth_kind = Some(StoredDepth::Height);
-        inputs.height_scale = Some(9.0);
-    });
-    for (color, color_if_any) in [(false, true), (true, false)] {
-        let needs = Needs {
-            color,
-            color_if_any,
-            ..Needs::default()
-        };
-        assert_eq!(load(&inputs, needs).unwrap().frame.color.is_some(), color);
+    let heights = image::GrayImage::from_fn(32, 24, |x, y| image::Luma([(4 * x + y) as u8]));
+    heights.save(&path).unwrap();
+    for color in [false, true] {
+        let loaded = load(&path, |inputs, needs| {
+            with_depth(inputs, &path);
+            inputs.depth_kind = Some(StoredDepth::Height);
+            inputs.height_scale = Some(9.0);
+            (needs.color, needs.color_if_any) = (color, !color);
+        });
+        assert_eq!(loaded.frame.color.is_some(), color);
     }
 }

@@ -1,5 +1,6 @@
 //! Groups of layers, such as view layers: one is read, and nothing of the others.
 
+use crate::common::default_but;
 use crate::common::exr::{Part, write};
 use relievo::frame::{NormalSpace, Plane, Window};
 use relievo::io::inputs::{Inputs, LightInputs, LobeChoice, NormalEncoding, StoredDepth};
@@ -36,11 +37,8 @@ fn channels(prefix: &str, layers: &[Layer], bare: &[&str]) -> Vec<(String, Plane
             };
             (name, Plane::filled(8, 6, value))
         };
-        components
-            .chars()
-            .zip(values)
-            .map(named)
-            .collect::<Vec<_>>()
+        let channels = components.chars().zip(values).map(named);
+        channels.collect::<Vec<_>>()
     };
     layers.iter().flat_map(of_layer).collect()
 }
@@ -74,11 +72,7 @@ fn inputs(path: &Path, layer: Option<&str>) -> Inputs {
 }
 
 fn read(inputs: &Inputs) -> Loaded {
-    let needs = Needs {
-        color: true,
-        ..Needs::default()
-    };
-    load(inputs, needs).unwrap()
+    load(inputs, default_but(|needs: &mut Needs| needs.color = true)).unwrap()
 }
 
 /// The first sample of everything that was read, and where it is read from.
@@ -106,11 +100,8 @@ fn samples(loaded: &Loaded) -> Vec<(&'static str, f32)> {
 fn all_layers_come_from_one_group_and_plain_ones_only_where_it_has_none() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let single = [
-        channels("BG.", &BG, &[]),
-        channels("FG.", &FG, &[]),
-        channels("", &PLAIN, &[]),
-    ];
+    let groups = [("BG.", &BG[..]), ("FG.", &FG), ("", &PLAIN)];
+    let single = groups.map(|(prefix, layers)| channels(prefix, layers, &[]));
     let single = file(at("single.exr"), &[part("", &single.concat())]);
     // Blender 5: a part for each layer, whose channels have its name too; others leave that out.
     let parts = |is_named: bool| {
@@ -130,31 +121,22 @@ fn all_layers_come_from_one_group_and_plain_ones_only_where_it_has_none() {
     // A part for each group, whose picture and depth have no names.
     let whole = |name, layers: &[Layer]| part(name, &channels("", layers, &["Combined", "Depth"]));
     let plain = part("more", &channels("", &PLAIN[..1], &[]));
-    let whole = file(
-        at("whole.exr"),
-        &[whole("FG", &FG), whole("BG", &BG), plain],
-    );
-    let fg = [
-        ("normal x", 0.6),
-        ("normal y", 0.0),
-        ("depth", 10.0),
-        ("red", 0.1),
-        ("green", 0.2),
-        ("alpha", 1.0),
-        ("occlusion", 0.75),
-        ("direct", 0.4),
-        ("surface", 0.5),
+    let whole = [whole("FG", &FG), whole("BG", &BG), plain];
+    let whole = file(at("whole.exr"), &whole);
+    let names = [
+        "normal x",
+        "normal y",
+        "depth",
+        "red",
+        "green",
+        "alpha",
+        "occlusion",
     ];
+    let names = names.into_iter().chain(["direct", "surface"]);
+    let fg = [0.6, 0.0, 10.0, 0.1, 0.2, 1.0, 0.75, 0.4, 0.5];
+    let fg: Vec<_> = names.clone().zip(fg).collect();
     // Its only light has no colour of a surface, and is not scaled.
-    let bg = [
-        ("normal x", 0.0),
-        ("normal y", 0.6),
-        ("depth", 20.0),
-        ("red", 0.9),
-        ("green", 0.8),
-        ("alpha", 1.0),
-        ("occlusion", 0.75),
-    ];
+    let bg: Vec<_> = names.zip([0.0, 0.6, 20.0, 0.9, 0.8, 1.0, 0.75]).collect();
     // Channels of a part are in the order of the alphabet.
     for (path, first) in [(single, "BG"), (named, "FG"), (bare, "FG"), (whole, "FG")] {
         let [of_fg, of_bg, open] =
@@ -170,9 +152,8 @@ fn all_layers_come_from_one_group_and_plain_ones_only_where_it_has_none() {
         let survey = survey(&inputs(&path, None)).unwrap();
         assert_eq!(survey.group.as_deref(), Some(first));
         assert_eq!(survey.groups.len(), 2);
-        let unknown = load(&inputs(&path, Some("MG")), Needs::default())
-            .map(|_| ())
-            .unwrap_err();
+        let unknown = load(&inputs(&path, Some("MG")), Needs::default());
+        let unknown = unknown.map(drop).unwrap_err();
         let found = format!("found {})", survey.groups.join(", "));
         assert!(unknown.to_string().contains(&found), "{unknown}");
     }
@@ -188,34 +169,21 @@ fn flags_name_layers_of_any_group_and_names_of_one_frame_are_no_groups() {
         normal: Some("BG.Normal".into()),
         ..both
     };
-    assert_eq!(
-        samples(&read(&named))[..3],
-        [("normal x", 0.0), ("normal y", 0.6), ("depth", 10.0)]
-    );
+    let expected = [("normal x", 0.0), ("normal y", 0.6), ("depth", 10.0)];
+    assert_eq!(samples(&read(&named))[..3], expected);
     // No name occurs twice: the layers are those of one frame, and that is said.
-    let one = [
-        channels("Beauty.", &FG[..1], &[]),
-        channels("Data.", &BG[1..3], &[]),
-    ]
-    .concat();
-    let one = file(at("one.exr"), &[part("", &one)]);
-    let whole = read(&inputs(&one, None));
-    assert_eq!(
-        samples(&whole)[1..4],
-        [("normal y", 0.6), ("depth", 20.0), ("red", 0.1)]
-    );
-    assert!(
-        whole.warnings[0].contains("(Beauty, Data) make up the frame"),
-        "{:?}",
-        whole.warnings
-    );
+    let both = |name: &str, groups: [(&str, &[Layer]); 2]| {
+        let channels = groups.map(|(prefix, layers)| channels(prefix, layers, &[]));
+        let path = file(at(name), &[part("", &channels.concat())]);
+        read(&inputs(&path, None))
+    };
+    let whole = both("one.exr", [("Beauty.", &FG[..1]), ("Data.", &BG[1..3])]);
+    let expected = [("normal y", 0.6), ("depth", 20.0), ("red", 0.1)];
+    assert_eq!(samples(&whole)[1..4], expected);
+    let said = &whole.warnings[0];
+    assert!(said.contains("(Beauty, Data) make up the frame"), "{said}");
     // Our own layers beside those of a single group are no group.
-    let own = [
-        channels("FG.", &FG, &[]),
-        channels("relievo.", &BG[1..2], &[]),
-    ]
-    .concat();
-    let own = read(&inputs(&file(at("own.exr"), &[part("", &own)]), None));
+    let own = both("own.exr", [("FG.", &FG), ("relievo.", &BG[1..2])]);
     assert_eq!(samples(&own)[0], ("normal x", 0.6));
     assert_eq!(own.warnings, [""; 0]);
 }
@@ -228,10 +196,8 @@ fn light_of_another_picture_is_left_out_unless_asked_for() {
         "DiffDir" => (name, components, values.map(|v| 0.5 * v)),
         _ => (name, components, values),
     });
-    let dark = file(
-        folder.path().join("dark.exr"),
-        &[part("", &channels("", &dark, &[]))],
-    );
+    let dark = [part("", &channels("", &dark, &[]))];
+    let dark = file(folder.path().join("dark.exr"), &dark);
     let mut inputs = inputs(&dark, None);
     let left = read(&inputs);
     assert!(left.frame.light.lobes.is_empty());

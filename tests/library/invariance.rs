@@ -1,8 +1,10 @@
 //! Invariance under mirrors, rotations, crops, windows, threads, tiles and any content outside the mask.
 
-use crate::common::cpu;
 use crate::common::planes::planes;
-use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
+use crate::common::{
+    apart, bits, cpu, mirrored, mirrored_plane, on_threads, poisoned, quarter_turned,
+    quarter_turned_plane,
+};
 use glam::DVec3;
 use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{Frame, Plane, Window};
@@ -39,12 +41,7 @@ fn run(case: (Goal, Scale), frame: &Frame) -> Outcome {
 }
 
 /// Balls before each other and a slanted cylinder, in perspective, off centre: silhouettes, a
-/// border of coverage and smooth parts.
-fn frames() -> Vec<Frame> {
-    frames_of_size(1)
-}
-
-/// The same in pictures `times` as large.
+/// border of coverage and smooth parts; in pictures `times` as large.
 fn frames_of_size(times: usize) -> Vec<Frame> {
     let px = |length: f64| length * times as f64;
     let balls = ExactScene::two_balls(px(22.0), px(31.0), px(51.3), px(44.6)).in_perspective();
@@ -56,58 +53,48 @@ fn frames_of_size(times: usize) -> Vec<Frame> {
         .into()
 }
 
-/// Planes whose values do not turn with the picture.
-fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
-    let turns = |name: &str| {
-        ["gradient", "hessian", "direction"]
-            .iter()
-            .any(|v| name.starts_with(v))
-    };
-    planes(outcome)
-        .into_iter()
-        .filter(|(name, _)| !turns(name))
+/// Every case on every frame.
+fn cases() -> Vec<(Frame, (Goal<'static>, Scale))> {
+    let frames = frames_of_size(1).into_iter();
+    frames
+        .flat_map(|frame| CASES.map(|case| (frame.clone(), case)))
         .collect()
 }
 
+/// Planes whose values do not turn with the picture.
+fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
+    let vectors = ["gradient", "hessian", "direction"];
+    let mut planes = planes(outcome);
+    planes.retain(|(name, _)| !vectors.iter().any(|v| name.starts_with(v)));
+    planes
+}
+
 fn assert_close(name: &str, found: &Plane, expected: &Plane) {
-    let largest = expected
-        .samples()
-        .iter()
-        .fold(0.0_f32, |m, v| m.max(v.abs()));
-    let pairs = found.samples().iter().zip(expected.samples());
-    let error = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
-    assert!(
-        error <= 1e-6 * largest.max(1.0),
-        "{name} differs by {error} of {largest}"
-    );
+    let sizes = expected.samples().iter().map(|v| v.abs());
+    let (largest, error) = (sizes.fold(0.0, f32::max), apart(found, expected));
+    let bound = 1e-6 * largest.max(1.0);
+    assert!(error <= bound, "{name} differs by {error} of {largest}");
 }
 
 fn assert_same_bits(one: &Outcome, other: &Outcome) {
     let (one, other) = (planes(one), planes(other));
     assert!(!one.is_empty() && one.len() == other.len());
     for ((name, a), (_, b)) in one.into_iter().zip(other) {
-        let same = a
-            .samples()
-            .iter()
-            .zip(b.samples())
-            .all(|(a, b)| a.to_bits() == b.to_bits());
-        assert!(same, "{name} has other bits");
+        assert!(bits(a) == bits(b), "{name} has other bits");
     }
 }
 
 #[test]
 fn a_mirrored_picture_gives_the_mirrored_result() {
-    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+    for (frame, case) in &cases() {
+        let case = *case;
         let (plain, turned) = (run(case, frame), run(case, &mirrored(frame)));
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
             assert_close(name, found, &mirrored_plane(expected));
         }
         if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
-            assert_close(
-                "gradient.x",
-                &turned.x,
-                &mirrored_plane(&plain.x).map(|v| -v),
-            );
+            let x = mirrored_plane(&plain.x).map(|v| -v);
+            assert_close("gradient.x", &turned.x, &x);
             assert_close("gradient.y", &turned.y, &mirrored_plane(&plain.y));
         }
     }
@@ -115,7 +102,8 @@ fn a_mirrored_picture_gives_the_mirrored_result() {
 
 #[test]
 fn a_turned_picture_gives_the_turned_result() {
-    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+    for (frame, case) in &cases() {
+        let case = *case;
         let (plain, turned) = (run(case, frame), run(case, &quarter_turned(frame)));
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
             assert_close(name, found, &quarter_turned_plane(expected));
@@ -123,28 +111,19 @@ fn a_turned_picture_gives_the_turned_result() {
         // Counterclockwise: right becomes up.
         if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
             assert_close("gradient.y", &turned.y, &quarter_turned_plane(&plain.x));
-            assert_close(
-                "gradient.x",
-                &turned.x,
-                &quarter_turned_plane(&plain.y).map(|v| -v),
-            );
+            let x = quarter_turned_plane(&plain.y).map(|v| -v);
+            assert_close("gradient.x", &turned.x, &x);
         }
     }
 }
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let with_threads = |threads, case, frame: &Frame| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| run(case, frame))
-    };
-    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
-        let alone = with_threads(1, case, frame);
+    for (frame, case) in &cases() {
+        let case = *case;
+        let alone = on_threads(1, || run(case, frame));
         for threads in [2, 3, 8] {
-            assert_same_bits(&alone, &with_threads(threads, case, frame));
+            assert_same_bits(&alone, &on_threads(threads, || run(case, frame)));
         }
     }
 }
@@ -162,7 +141,8 @@ fn options(width: usize, height: usize, sweeps: usize) -> RunOptions {
 
 #[test]
 fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
-    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+    for (frame, case) in &cases() {
+        let case = *case;
         let whole = run(case, frame);
         for (width, height, sweeps) in
             [(7, 5, 1), (33, 80, 3), (96, 16, 5), (1, 1, 2), (16, 24, 64)]
@@ -178,7 +158,8 @@ fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
 #[test]
 fn memory_used_again_leaves_no_trace() {
     let engine = Engine::cpu();
-    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+    for (frame, case) in &cases() {
+        let case = *case;
         let plan = plan(case, frame);
         let again = engine.execute(&plan, frame, Inputs::default(), &Run::new());
         let again = again.unwrap();
@@ -216,10 +197,7 @@ fn a_crop_gives_the_same_bits_away_from_its_border() {
 #[test]
 fn moving_the_windows_changes_nothing() {
     // A picture without a camera may be anywhere: overscan, negative origins.
-    for (mut frame, case) in frames()
-        .into_iter()
-        .flat_map(|f| CASES.map(|case| (f.clone(), case)))
-    {
+    for (mut frame, case) in cases() {
         frame.camera = None;
         let here = run(case, &frame);
         frame.data_window = Window::at(-500, 30_000, 96, 80);
@@ -230,7 +208,8 @@ fn moving_the_windows_changes_nothing() {
 
 #[test]
 fn what_lies_outside_the_mask_changes_nothing_inside() {
-    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+    for (frame, case) in &cases() {
+        let case = *case;
         let clean = run(case, frame);
         for poison in [f32::NAN, f32::INFINITY, -1e30] {
             let spoiled = run(case, &poisoned(frame, poison));

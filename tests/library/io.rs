@@ -1,16 +1,14 @@
 //! Files in and out: round trips, copies with a part added, and files with false claims.
 
-use crate::common::bits;
 use crate::common::real_files::real;
+use crate::common::{bits, default_but, files, places};
 use glam::DVec3;
 use relievo::frame::{Plane, Window};
-use relievo::io::Needs;
 use relievo::io::exr::{
     ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, PartWriter, write_results,
 };
-use relievo::io::inputs::Inputs as Files;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 fn open(path: &Path) -> ExrFile {
     ExrFile::open(path, &Limits::default()).unwrap()
@@ -26,19 +24,17 @@ fn part<'a>(
     window: Window,
     planes: &[(&str, &'a Plane, OutputType)],
 ) -> OutputPart<'a> {
+    let channel = |&(name, plane, sample_type): &(&str, &'a Plane, OutputType)| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type,
+    };
     OutputPart {
         name: name.into(),
         data_window: window,
         display_window: Window::from_size(40, 30),
         pixel_aspect: 1.5,
-        channels: planes
-            .iter()
-            .map(|&(name, plane, sample_type)| OutputChannel {
-                name: name.into(),
-                plane,
-                sample_type,
-            })
-            .collect(),
+        channels: planes.iter().map(channel).collect(),
         attributes: vec![("software".into(), "relievo test".into())],
         chromaticities: Some([0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290]),
         compression: Default::default(),
@@ -61,34 +57,40 @@ fn appended(input: &ExrFile, part: &OutputPart) -> Vec<u8> {
 /// A small file with awkward content: overscan, odd names, NaN samples.
 fn awkward() -> (Plane, Plane, Vec<u8>) {
     let mut float = Plane::from_fn(37, 35, |x, y| (x as f32 - 7.3) * y as f32);
-    float.samples_mut()[..5].copy_from_slice(&[
-        f32::NAN,
-        f32::INFINITY,
-        f32::NEG_INFINITY,
-        -0.0,
-        f32::MIN_POSITIVE / 8.0,
-    ]);
+    let wild = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0];
+    float.samples_mut()[..4].copy_from_slice(&wild);
+    float.samples_mut()[4] = f32::MIN_POSITIVE / 8.0;
     let half = float.map(|v| half::f16::from_f32(v.clamp(-60000.0, 60000.0)).to_f32());
     let long = "a name that is a good deal longer than thirty-one bytes.Ünïcode";
-    let bytes = written(&part(
-        "awkward",
-        Window::at(-11, -7, 37, 35),
-        &[
-            ("zebra.Z", &float, OutputType::Float),
-            (long, &float, OutputType::Float),
-            ("N.Y", &half, OutputType::Half),
-        ],
-    ));
+    let channels = [
+        ("zebra.Z", &float, OutputType::Float),
+        (long, &float, OutputType::Float),
+        ("N.Y", &half, OutputType::Half),
+    ];
+    let bytes = written(&part("awkward", Window::at(-11, -7, 37, 35), &channels));
     (float, half, bytes)
+}
+
+/// A folder for bytes, to be read as a file.
+struct Saved(tempfile::TempDir);
+
+impl Saved {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn of(&self, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.path().join("saved.exr");
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
 }
 
 #[test]
 fn what_is_written_is_read() {
     let (float, half, bytes) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("awkward.exr");
-    std::fs::write(&path, &bytes).unwrap();
-    let file = open(&path);
+    let saved = Saved::new();
+    let file = open(&saved.of(&bytes));
     assert_eq!(file.parts.len(), 1);
     assert_eq!(file.parts[0].window, Window::at(-11, -7, 37, 35));
     assert_eq!(file.display_window, Window::from_size(40, 30));
@@ -96,13 +98,9 @@ fn what_is_written_is_read() {
     assert_eq!(file.parts[0].compression, "zip");
     assert_eq!(file.attributes["software"], "relievo test");
 
-    let names: Vec<&str> = file.parts[0]
-        .channels
-        .iter()
-        .map(|c| c.name.as_str())
-        .collect();
-    assert_eq!(names[0], "N.Y");
-    assert!(names[1].ends_with("Ünïcode"));
+    let channels = &file.parts[0].channels;
+    assert_eq!(channels[0].name, "N.Y");
+    assert!(channels[1].name.ends_with("Ünïcode"));
     let planes = read_all(&file);
     assert_eq!(bits(&planes[0]), bits(&half));
     assert_eq!(bits(&planes[1]), bits(&float));
@@ -114,11 +112,9 @@ fn what_is_written_is_read() {
 #[test]
 fn channels_come_in_the_order_asked_for() {
     let (float, half, bytes) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("a.exr");
-    std::fs::write(&path, &bytes).unwrap();
     let ids = [2, 0, 2].map(|channel| ChannelId { part: 0, channel });
-    let planes = open(&path).read_channels(&ids).unwrap();
+    let saved = Saved::new();
+    let planes = open(&saved.of(&bytes)).read_channels(&ids).unwrap();
     assert_eq!(bits(&planes[0]), bits(&float));
     assert_eq!(bits(&planes[1]), bits(&half));
     assert_eq!(bits(&planes[2]), bits(&float));
@@ -127,18 +123,11 @@ fn channels_come_in_the_order_asked_for() {
 #[test]
 fn a_limit_refuses_before_anything_is_read() {
     let (_, _, bytes) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("a.exr");
-    std::fs::write(&path, &bytes).unwrap();
-    let limits = Limits {
-        max_pixels: 1000,
-        ..Limits::default()
-    };
-    let few_bytes = Limits {
-        max_bytes: 1000,
-        ..Limits::default()
-    };
-    for limits in [limits, few_bytes] {
+    let saved = Saved::new();
+    let path = saved.of(&bytes);
+    let few_pixels = default_but(|limits: &mut Limits| limits.max_pixels = 1000);
+    let few_bytes = default_but(|limits: &mut Limits| limits.max_bytes = 1000);
+    for limits in [few_pixels, few_bytes] {
         let file = ExrFile::open(&path, &limits).unwrap();
         let ids: Vec<ChannelId> = file.channel_ids().collect();
         assert!(file.read_channels(&ids).is_err());
@@ -173,14 +162,9 @@ fn check_append(path: &Path) {
     let plane = Plane::from_fn(21, 33, |x, y| x as f32 - 0.25 * y as f32);
     // A name that is taken has to be changed.
     let name = input.parts[0].name.clone().unwrap_or("main".into());
-    let bytes = appended(
-        &input,
-        &part(&name, window, &[("new.Z", &plane, OutputType::Float)]),
-    );
-    let directory = tempfile::tempdir().unwrap();
-    let copy = directory.path().join("copy.exr");
-    std::fs::write(&copy, bytes).unwrap();
-    let output = open(&copy);
+    let new = part(&name, window, &[("new.Z", &plane, OutputType::Float)]);
+    let saved = Saved::new();
+    let output = open(&saved.of(appended(&input, &new)));
 
     let old = input.parts.len();
     assert_eq!(output.parts.len(), old + 1);
@@ -210,17 +194,21 @@ fn survive(path: &Path) -> Result<(), String> {
         let file = ExrFile::open(path, &Limits::default())?;
         let ids: Vec<ChannelId> = file.channel_ids().collect();
         file.read_channels(&ids)?;
-        let plane = Plane::filled(4, 4, 1.0);
-        let window = Window::from_size(4, 4);
-        let part = part("x", window, &[("Z", &plane, OutputType::Half)]);
-        let (mut copy, description) = (Cursor::new(Vec::new()), part.description());
-        PartWriter::append(&file, &mut copy, path, &description)?.write(&part)?;
-        let window = file.parts[0].window;
-        let plane = Plane::filled(window.width(), window.height(), 1.0);
-        let part = self::part("x", window, &[("Z", &plane, OutputType::Half)]);
-        let (mut copy, description) = (Cursor::new(Vec::new()), part.description());
-        let (writer, _) = PartWriter::add_channels(&file, 0, &mut copy, path, &description)?;
-        writer.write(&part)?;
+        for is_part in [true, false] {
+            let window = if is_part {
+                Window::from_size(4, 4)
+            } else {
+                file.parts[0].window
+            };
+            let plane = Plane::filled(window.width(), window.height(), 1.0);
+            let part = part("x", window, &[("Z", &plane, OutputType::Half)]);
+            let (mut copy, description) = (Cursor::new(Vec::new()), part.description());
+            let writer = match is_part {
+                true => PartWriter::append(&file, &mut copy, path, &description)?,
+                false => PartWriter::add_channels(&file, 0, &mut copy, path, &description)?.0,
+            };
+            writer.write(&part)?;
+        }
         Ok(())
     };
     attempt().map_err(|error| {
@@ -234,33 +222,11 @@ fn survive(path: &Path) -> Result<(), String> {
     })
 }
 
-#[test]
-fn damaged_files_are_errors() {
-    let Some(folder) = real("conformance/damaged") else {
-        return;
-    };
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        println!("{:?}", survive(&path));
-    }
-}
-
-#[test]
-fn every_conformance_file_is_read_or_refused() {
-    let Some(folder) = real("conformance") else {
-        return;
-    };
-    for folder in [
-        "compression/f16",
-        "compression/f32",
-        "structure",
-        "dwa_csc",
-        "multires",
-        "testimages",
-        "chromaticities",
-        "displaywindow",
-    ]
-    .map(|f| folder.join(f))
+/// All that is read or refused in these folders of the collection.
+fn survive_all(folders: &[&str]) {
+    for folder in folders
+        .iter()
+        .filter_map(|name| real(&format!("conformance/{name}")))
     {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -270,45 +236,54 @@ fn every_conformance_file_is_read_or_refused() {
 }
 
 #[test]
+fn damaged_files_are_errors() {
+    survive_all(&["damaged"]);
+}
+
+#[test]
+fn every_conformance_file_is_read_or_refused() {
+    survive_all(&[
+        "compression/f16",
+        "compression/f32",
+        "structure",
+        "dwa_csc",
+        "multires",
+    ]);
+    survive_all(&["testimages", "chromaticities", "displaywindow"]);
+}
+
+#[test]
 fn a_truncated_file_is_damaged_wherever_it_ends() {
     let (_, _, bytes) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("cut.exr");
+    let saved = Saved::new();
     for end in (0..bytes.len()).step_by(13).chain([bytes.len() - 1]) {
-        std::fs::write(&path, &bytes[..end]).unwrap();
-        let message = survive(&path).unwrap_err();
-        assert!(
-            message.contains("write or copy the file again"),
-            "{message}"
-        );
+        let message = survive(&saved.of(&bytes[..end])).unwrap_err();
+        let remedy = "write or copy the file again";
+        assert!(message.contains(remedy), "{message}");
     }
-    std::fs::write(&path, &bytes).unwrap();
-    assert_eq!(survive(&path), Ok(()));
+    assert_eq!(survive(&saved.of(&bytes)), Ok(()));
+}
+
+/// Where the bytes after the first `key` begin.
+fn after(bytes: &[u8], key: &str) -> usize {
+    let mut windows = bytes.windows(key.len());
+    windows.position(|w| w == key.as_bytes()).unwrap() + key.len()
 }
 
 /// Replaces the value of the first `name`d attribute of `kind`.
 fn patched(bytes: &[u8], name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
-    let key = format!("{name}\0{kind}\0");
-    let at = bytes
-        .windows(key.len())
-        .position(|w| w == key.as_bytes())
-        .unwrap();
+    let start = after(bytes, &format!("{name}\0{kind}\0")) + 4;
     let mut bytes = bytes.to_vec();
-    let start = at + key.len() + 4;
     bytes[start..start + value.len()].copy_from_slice(value);
     bytes
 }
 
 /// The bytes with the first text attribute `attribute` stripped of its type, which joins its value.
 fn without_type(bytes: &[u8], attribute: &str) -> Vec<u8> {
-    let key = format!("{attribute}\0string\0");
-    let at = bytes
-        .windows(key.len())
-        .position(|w| w == key.as_bytes())
-        .unwrap();
+    let end = after(bytes, &format!("{attribute}\0string\0"));
+    let kind = end - "string\0".len();
     let mut bytes = bytes.to_vec();
-    let kind = at + attribute.len() + 1;
-    let size = u32::from_le_bytes(bytes[kind + 7..kind + 11].try_into().unwrap());
+    let size = u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap());
     bytes[kind] = 0;
     bytes[kind + 1..kind + 5].copy_from_slice(&(size + 6).to_le_bytes());
     bytes
@@ -317,16 +292,13 @@ fn without_type(bytes: &[u8], attribute: &str) -> Vec<u8> {
 #[test]
 fn an_attribute_without_a_type_is_refused() {
     let (_, _, one) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("untyped.exr");
-    std::fs::write(&path, &one).unwrap();
+    let saved = Saved::new();
     let plane = Plane::filled(4, 3, 1.0);
     let planes = [("more.Z", &plane, OutputType::Float)];
     let more = part("more", Window::from_size(4, 3), &planes);
-    let two = appended(&open(&path), &more);
+    let two = appended(&open(&saved.of(&one)), &more);
     for bytes in [one, two] {
-        std::fs::write(&path, without_type(&bytes, "software")).unwrap();
-        let message = survive(&path).unwrap_err();
+        let message = survive(&saved.of(without_type(&bytes, "software"))).unwrap_err();
         assert!(message.contains("\"software\" has no type"), "{message}");
     }
 }
@@ -334,8 +306,7 @@ fn an_attribute_without_a_type_is_refused() {
 #[test]
 fn a_small_file_that_claims_to_be_huge_is_refused() {
     let (_, _, bytes) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("huge.exr");
+    let saved = Saved::new();
     let corners = |c: [i32; 4]| c.map(i32::to_le_bytes).concat();
     for window in [
         [0, 0, 32767, 32767],
@@ -346,25 +317,19 @@ fn a_small_file_that_claims_to_be_huge_is_refused() {
         [10, 10, 0, 0],
     ] {
         let bytes = patched(&bytes, "dataWindow", "box2i", &corners(window));
-        std::fs::write(&path, bytes).unwrap();
-        let message = survive(&path).unwrap_err();
-        println!("{message}");
+        println!("{}", survive(&saved.of(bytes)).unwrap_err());
     }
 }
 
 #[test]
 fn compressions_that_cannot_be_read_name_the_remedy() {
     let (_, _, bytes) = awkward();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("new.exr");
+    let saved = Saved::new();
     for (number, name) in [(10, "HTJ2K"), (11, "HTJ2K"), (12, "ZSTD"), (99, "unknown")] {
         let bytes = patched(&bytes, "compression", "compression", &[number]);
-        std::fs::write(&path, bytes).unwrap();
-        let message = survive(&path).unwrap_err();
-        assert!(
-            message.contains(name) && message.contains("oiiotool"),
-            "{message}"
-        );
+        let message = survive(&saved.of(bytes)).unwrap_err();
+        let names_both = message.contains(name) && message.contains("oiiotool");
+        assert!(names_both, "{message}");
     }
 }
 
@@ -374,8 +339,7 @@ fn dwa_counters_are_not_believed() {
         return;
     };
     let bytes = std::fs::read(path).unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("dwa.exr");
+    let saved = Saved::new();
     // The first chunk starts with its row and its size; the counters follow.
     let version = [2u64.to_le_bytes(), 0u64.to_le_bytes()].concat();
     let chunk = bytes.windows(8).position(|w| w == &version[..8]).unwrap();
@@ -384,8 +348,8 @@ fn dwa_counters_are_not_believed() {
             let mut bytes = bytes.clone();
             let at = chunk + 8 * counter;
             bytes[at..at + 8].copy_from_slice(&u64::to_le_bytes(value));
-            std::fs::write(&path, bytes).unwrap();
-            assert!(survive(&path).is_err(), "counter {counter} = {value}");
+            let is_refused = survive(&saved.of(bytes)).is_err();
+            assert!(is_refused, "counter {counter} = {value}");
         }
     }
 }
@@ -403,18 +367,13 @@ impl Dice {
 }
 
 fn fuzz(bytes: &[u8], rounds: usize, seed: u64) {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("fuzz.exr");
-    let mut dice = Dice(seed);
-    let mut read = 0;
+    let (saved, mut dice, mut read) = (Saved::new(), Dice(seed), 0);
     for round in 0..rounds {
         let mut bytes = bytes.to_vec();
         // Headers are small but matter most: every other round stays in there.
-        let range = if round % 2 == 0 {
-            bytes.len().min(700)
-        } else {
-            bytes.len()
-        };
+        let range = bytes
+            .len()
+            .min(if round % 2 == 0 { 700 } else { usize::MAX });
         for _ in 0..1 + dice.below(4) {
             let at = dice.below(range);
             bytes[at] = match dice.below(3) {
@@ -423,8 +382,7 @@ fn fuzz(bytes: &[u8], rounds: usize, seed: u64) {
                 _ => dice.below(256) as u8,
             };
         }
-        std::fs::write(&path, &bytes).unwrap();
-        read += usize::from(survive(&path).is_ok());
+        read += usize::from(survive(&saved.of(bytes)).is_ok());
     }
     println!("{read} of {rounds} still readable");
 }
@@ -433,31 +391,21 @@ fn fuzz(bytes: &[u8], rounds: usize, seed: u64) {
 fn flipped_bytes_never_panic() {
     let (_, _, bytes) = awkward();
     fuzz(&bytes, 2000, 0x9e3779b97f4a7c15);
-    for (i, name) in [
-        "f16/b44",
-        "f16/dwaa",
-        "f16/piz",
-        "f32/pxr24",
-        "f16/rle",
-        "f16/zips",
-        "f32/uncompressed",
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let Some(path) = real(&format!("conformance/compression/{name}.exr")) else {
-            return;
-        };
-        fuzz(&std::fs::read(path).unwrap(), 300, 77 + i as u64);
-    }
-    for name in [
-        "structure/parts.exr",
-        "structure/tiled_with_scanlineimage_type.exr",
+    for (name, rounds, seed) in [
+        ("compression/f16/b44", 300, 77),
+        ("compression/f16/dwaa", 300, 78),
+        ("compression/f16/piz", 300, 79),
+        ("compression/f32/pxr24", 300, 80),
+        ("compression/f16/rle", 300, 81),
+        ("compression/f16/zips", 300, 82),
+        ("compression/f32/uncompressed", 300, 83),
+        ("structure/parts", 500, 99),
+        ("structure/tiled_with_scanlineimage_type", 500, 99),
     ] {
-        let Some(path) = real(&format!("conformance/{name}")) else {
+        let Some(path) = real(&format!("conformance/{name}.exr")) else {
             return;
         };
-        fuzz(&std::fs::read(path).unwrap(), 500, 99);
+        fuzz(&std::fs::read(path).unwrap(), rounds, seed);
     }
 }
 
@@ -467,18 +415,12 @@ fn tiles_larger_than_the_picture_are_harmless() {
         return;
     };
     let bytes = std::fs::read(path).unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("tiles.exr");
-    for size in [
-        [0, 20],
-        [1, 1],
-        [1 << 15, 1 << 15],
-        [i32::MAX as u32; 2],
-        [u32::MAX; 2],
-    ] {
+    let saved = Saved::new();
+    let large = [1 << 15, i32::MAX as u32, u32::MAX].map(|side| [side; 2]);
+    for size in [[0, 20], [1, 1]].into_iter().chain(large) {
         let size = size.map(u32::to_le_bytes).concat();
-        std::fs::write(&path, patched(&bytes, "tiles", "tiledesc", &size)).unwrap();
-        println!("{}", survive(&path).unwrap_err());
+        let bytes = patched(&bytes, "tiles", "tiledesc", &size);
+        println!("{}", survive(&saved.of(bytes)).unwrap_err());
     }
 }
 
@@ -489,27 +431,22 @@ fn gentle_forms_are_read_from_jpeg_without_its_blocks() {
     let folder = tempfile::tempdir().unwrap();
     // The slopes of 3 sin(x / 40) sin(y / 55).
     let exact = |x: u32, y: u32| {
-        let ((sx, cx), (sy, cy)) = (
-            (f64::from(x) / 40.0).sin_cos(),
-            (f64::from(y) / 55.0).sin_cos(),
-        );
+        let (sx, cx) = (f64::from(x) / 40.0).sin_cos();
+        let (sy, cy) = (f64::from(y) / 55.0).sin_cos();
         DVec3::new(-cx * sy * 3.0 / 40.0, sx * cy * 3.0 / 55.0, 1.0).normalize()
     };
-    let in_codes = |x, y| {
-        image::Rgb(
-            exact(x, y)
-                .to_array()
-                .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
-        )
-    };
+    let code = |v: f64| ((0.5 * v + 0.5) * 255.0).round() as u8;
+    let in_codes = |x, y| image::Rgb(exact(x, y).to_array().map(code));
     let map = image::RgbImage::from_fn(SIDE, SIDE, in_codes);
     // Root mean square error of the change of x over 8 pixels, where blocks show.
     let error = |x_of: &dyn Fn(u32, u32) -> f64| {
         let bend = |of: &dyn Fn(u32, u32) -> f64, x, y| of(x + 8, y) - of(x, y);
-        let places = (16..SIDE - 24).flat_map(|y| (16..SIDE - 24).map(move |x| (x, y)));
-        let squares: Vec<f64> = places
-            .map(|(x, y)| (bend(x_of, x, y) - bend(&|x, y| exact(x, y).x, x, y)).powi(2))
-            .collect();
+        let side = SIDE as usize - 40;
+        let squares = places(side, side).map(|(x, y)| {
+            let [x, y] = [x as u32 + 16, y as u32 + 16];
+            (bend(x_of, x, y) - bend(&|x, y| exact(x, y).x, x, y)).powi(2)
+        });
+        let squares: Vec<f64> = squares.collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     };
     for quality in [95, 75] {
@@ -519,17 +456,10 @@ fn gentle_forms_are_read_from_jpeg_without_its_blocks() {
         map.write_with_encoder(encoder).unwrap();
         let stored = image::open(&path).unwrap().to_rgb8();
         let before = error(&|x, y| f64::from(stored.get_pixel(x, y).0[0]) / 127.5 - 1.0);
-        let files = Files {
-            picture: path,
-            ..Files::default()
-        };
-        let normal = relievo::io::load(&files, Needs::default())
-            .unwrap()
-            .frame
-            .normal;
+        let normal = files::load(path, |_, _| ()).frame.normal;
         let after = error(&|x, y| normal.at(x as usize, y as usize).x);
         assert!(
-            after < before / 3.0,
+            3.0 * after < before,
             "{quality}: {before:.1e} to {after:.1e}"
         );
     }

@@ -1,10 +1,12 @@
 //! Layers with names in no table: found by the words of their names, else by their numbers.
 
 use crate::common::exr::{Part, Stored, write};
+use crate::common::files::{load, try_load};
+use crate::common::{default_but, places};
 use relievo::frame::{Plane, Window};
 use relievo::io::inputs::Inputs;
 use relievo::io::roles::Role;
-use relievo::io::{Loaded, Needs, load, survey};
+use relievo::io::{Loaded, survey};
 use relievo::scenes::frames::noise;
 use relievo::scenes::{Exact, ExactScene, Surface};
 use std::path::Path;
@@ -25,10 +27,9 @@ impl Scene {
         let exact = ExactScene::orthographic(Surface::torus(25.0, 12.0, axis), 48.0, 40.0);
         let exact = exact.in_perspective();
         let plane = |value: &dyn Fn(&Exact) -> f64, nothing: f32| {
+            let of = |seen: Exact| value(&seen) as f32;
             Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
-                exact
-                    .exact(x, y)
-                    .map_or(nothing, |seen| value(&seen) as f32)
+                exact.exact(x, y).map_or(nothing, of)
             })
         };
         Self {
@@ -60,37 +61,23 @@ impl Scene {
         ];
         let part = |channels: &[(String, Plane)]| Part::of(channels.iter().map(|(n, p)| (n, p)));
         if !in_parts {
-            let all: Vec<_> = picture
-                .into_iter()
-                .chain(layers.into_iter().flatten())
-                .collect();
-            return vec![part(&all)];
+            let all = picture.into_iter().chain(layers.into_iter().flatten());
+            return vec![part(&all.collect::<Vec<_>>())];
         }
         let of_layers = layers.iter().zip(names);
         let of_layers = of_layers.map(|(channels, name)| part(channels).named(name));
-        std::iter::once(part(&picture).named("main"))
-            .chain(of_layers)
-            .collect()
+        let main = std::iter::once(part(&picture).named("main"));
+        main.chain(of_layers).collect()
     }
 
     /// The largest angle, in degrees, that normals away from the rim are off.
     fn worst_angle(&self, loaded: &Loaded) -> f64 {
-        let mut worst = 0.0f64;
-        for y in 0..SIZE[1] {
-            for x in 0..SIZE[0] {
-                let Some(seen) = self.exact.exact(x, y) else {
-                    continue;
-                };
-                let n = &loaded.frame.normal;
-                let found = glam::DVec3::new(
-                    n.x.at(x, y).into(),
-                    n.y.at(x, y).into(),
-                    n.z.at(x, y).into(),
-                );
-                worst = worst.max(found.angle_between(seen.normal).to_degrees());
-            }
-        }
-        worst
+        let off = places(SIZE[0], SIZE[1]).filter_map(|(x, y)| {
+            let seen = self.exact.exact(x, y)?;
+            let found = loaded.frame.normal.at(x, y);
+            Some(found.angle_between(seen.normal).to_degrees())
+        });
+        off.fold(0.0, f64::max)
     }
 }
 
@@ -98,20 +85,10 @@ fn write_parts(path: &Path, parts: &[Part]) {
     write(path, Window::from_size(SIZE[0], SIZE[1]), parts);
 }
 
-fn read(path: &Path) -> relievo::Result<Loaded> {
-    load(&inputs(path), Needs::default())
-}
-
-fn inputs(path: &Path) -> Inputs {
-    Inputs {
-        picture: path.into(),
-        ..Inputs::default()
-    }
-}
-
 /// The layers that play these roles.
 fn layers(path: &Path, roles: [Role; 3]) -> [Option<String>; 3] {
-    let survey = survey(&inputs(path)).unwrap();
+    let inputs = default_but(|inputs: &mut Inputs| inputs.picture = path.into());
+    let survey = survey(&inputs).unwrap();
     roles.map(|role| {
         let found = survey.roles.iter().find(|found| found.role == role)?;
         Some(found.layer.clone())
@@ -161,7 +138,7 @@ fn twenty_invented_names_are_read_without_a_flag() {
         // The last style names parts, whose channels have no names of their own.
         write_parts(&path, &scene.parts(&names, round % 10 == 9));
         assert_eq!(layers(&path, ROLES), names.clone().map(Some), "{names:?}");
-        let loaded = read(&path).unwrap_or_else(|error| panic!("{names:?}: {error}"));
+        let loaded = load(&path, |_, _| ());
         // Floats, turned by a camera that is recovered to a hundredth of a degree.
         assert!(scene.worst_angle(&loaded) < 0.1, "{names:?}");
     }
@@ -187,7 +164,7 @@ fn numbers_tell_what_names_do_not() {
     part.write(&path);
     let found = layers(&path, ROLES);
     assert_eq!(found, ["b", "c", "a"].map(|name| Some(name.to_string())));
-    let loaded = read(&path).unwrap();
+    let loaded = load(&path, |_, _| ());
     assert!(scene.worst_angle(&loaded) < 0.1);
     let why = |subject: &str| {
         let mut findings = loaded.findings.iter();
@@ -199,11 +176,10 @@ fn numbers_tell_what_names_do_not() {
     // The same normals as 0..1, alone.
     let encoded = scene
         .normal
-        .clone()
+        .each_ref()
         .map(|plane| plane.map(|v| 0.5 * v + 0.5));
-    let channels = ["b.R", "b.G", "b.B"].into_iter().zip(&encoded);
-    Part::of(channels).write(&path);
-    assert!(scene.worst_angle(&read(&path).unwrap()) < 0.1);
+    Part::of(["b.R", "b.G", "b.B"].into_iter().zip(&encoded)).write(&path);
+    assert!(scene.worst_angle(&load(&path, |_, _| ())) < 0.1);
 }
 
 #[test]
@@ -215,15 +191,12 @@ fn a_file_without_normals_names_the_nearest_layer() {
             let planes = [0, 1, 2].map(|i| Plane::from_fn(width, height, |x, y| value(x, y, i)));
             let names = ["R", "G", "B"].map(|component| format!("{name}.{component}"));
             Part::of(names.iter().zip(&planes)).write(&path);
-            read(&path).err().expect(name).to_string()
+            try_load(&path, |_, _| ()).err().expect(name).to_string()
         };
+    let remedy = "name one with --normal LAYER or --normal FILE, or depth with --depth LAYER|FILE";
     let line = refused("object_nromal", SIZE, &noise);
-    assert!(
-        line.ends_with(
-            "has no normal layer (found object_nromal); did you mean object_nromal? name one with --normal LAYER or --normal FILE, or depth with --depth LAYER|FILE"
-        ),
-        "{line}"
-    );
+    let nearest = "has no normal layer (found object_nromal); did you mean object_nromal?";
+    assert!(line.ends_with(&format!("{nearest} {remedy}")), "{line}");
     // Names with another meaning are not guessed at, and layers without numbers, with one, or all alike give no
     // evidence.
     for (size, value) in [
@@ -234,10 +207,7 @@ fn a_file_without_normals_names_the_nearest_layer() {
         ([1, 1], 3f32.sqrt().recip()),
     ] {
         let line = refused("q", size, &|_, _, _| value);
-        assert!(
-            line.ends_with("(found q); name one with --normal LAYER or --normal FILE, or depth with --depth LAYER|FILE"),
-            "{line}"
-        );
+        assert!(line.ends_with(&format!("(found q); {remedy}")), "{line}");
     }
 }
 
@@ -248,14 +218,7 @@ fn none_leaves_a_layer_out() {
     let names = ["N", "depth", "P"].map(String::from);
     write_parts(&path, &Scene::new().parts(&names, false));
     let none = || Some(Inputs::NONE.to_string());
-    let with = |change: &dyn Fn(&mut Inputs)| {
-        let mut inputs = Inputs {
-            picture: path.clone(),
-            ..Inputs::default()
-        };
-        change(&mut inputs);
-        load(&inputs, Needs::default())
-    };
+    let with = |change: &dyn Fn(&mut Inputs)| try_load(&path, |inputs, _| change(inputs));
     let has_depth = |change: &dyn Fn(&mut Inputs)| with(change).unwrap().frame.depth.is_some();
     // Positions replace depth unless they are left out too.
     assert!(has_depth(&|inputs| inputs.depth = none()));
@@ -264,8 +227,6 @@ fn none_leaves_a_layer_out() {
     ));
     assert!(has_depth(&|inputs| inputs.occlusion = none()));
     let refused = with(&|inputs| inputs.normal = none()).err().unwrap();
-    assert!(
-        refused.to_string().contains("no normal called none"),
-        "{refused}"
-    );
+    let refused = refused.to_string();
+    assert!(refused.contains("no normal called none"), "{refused}");
 }

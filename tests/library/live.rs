@@ -1,11 +1,12 @@
 //! A session that keeps a frame gives the results of a fresh one, and recomputes only what a change affects.
 
-use crate::common::bits;
-use crate::common::cpu;
+use crate::common::files::load;
 use crate::common::planes::planes;
+use crate::common::program::fixture;
+use crate::common::{bits, cpu, default_but};
 use relievo::engine::{self, Engine, Outcome, Run, Session};
 use relievo::frame::Frame;
-use relievo::io::{self, Needs, inputs::Inputs, inputs::LightInputs};
+use relievo::io::inputs::LightInputs;
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{
     Adaptive, AlbedoSource, LineParams, Method, RelightParams, Scale, ScalingParams, ShapeParams,
@@ -15,27 +16,19 @@ use relievo::plan::{Available, Goal, Plan, Tone};
 use std::collections::BTreeMap;
 
 fn bust() -> Frame {
-    let inputs = Inputs {
-        picture: "fixtures/bust.exr".into(),
-        light: Some(LightInputs::default()),
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        color: true,
-        projection: true,
-        ..Needs::default()
-    };
-    io::load(&inputs, needs).unwrap().frame
+    let loaded = load(fixture("bust.exr"), |inputs, needs| {
+        inputs.light = Some(LightInputs::default());
+        (needs.color, needs.projection) = (true, true);
+    });
+    loaded.frame
 }
 
 fn light(azimuth: f32) -> Illumination {
-    Illumination {
-        directional: vec![DirectionalLight {
-            to_light: direction_of(azimuth, 35.0),
-            intensity: [1.0; 3],
-        }],
-        ..Illumination::default()
-    }
+    let lamp = DirectionalLight {
+        to_light: direction_of(azimuth, 35.0),
+        intensity: [1.0; 3],
+    };
+    default_but(|light: &mut Illumination| light.directional.push(lamp))
 }
 
 /// The settings of new light.
@@ -100,17 +93,14 @@ impl Asked {
 fn all_of(outcome: &Outcome) -> BTreeMap<&'static str, Vec<u32>> {
     let planes = planes(outcome).into_iter();
     let planes = planes.map(|(name, plane)| (name, bits(plane)));
+    let white_point = outcome.drawing.as_ref().map(|d| d.white_point);
     let numbers = [
         ("gain", outcome.gain),
         ("white", outcome.white_level),
-        (
-            "white point",
-            outcome.drawing.as_ref().map(|d| d.white_point),
-        ),
+        ("white point", white_point),
     ];
-    let numbers = numbers
-        .into_iter()
-        .filter_map(|(name, number)| Some((name, vec![number?.to_bits()])));
+    let numbers = numbers.into_iter();
+    let numbers = numbers.filter_map(|(name, number)| Some((name, vec![number?.to_bits()])));
     planes.chain(numbers).collect()
 }
 
@@ -153,10 +143,7 @@ fn what_is_kept_changes_no_bit() {
         }),
         enhance.with(|a| {
             a.shape.silhouette = SoftThreshold { lo: 0.1, hi: 0.2 };
-            a.line = Some(LineParams {
-                contours: None,
-                ..LineParams::default()
-            });
+            a.line = Some(default_but(|line: &mut LineParams| line.contours = None));
         }),
         enhance.with(|a| a.shape.foreshortening = 0.5),
         enhance,
@@ -165,12 +152,9 @@ fn what_is_kept_changes_no_bit() {
         let expected = all_of(&asked.run_anew(&frame));
         let found = all_of(asked.run_on(&mut live));
         assert!(found.keys().eq(expected.keys()), "step {step}");
-        let differing: Vec<_> = expected
-            .iter()
-            .filter(|(name, bits)| found[*name] != **bits)
-            .map(|(name, _)| *name)
-            .collect();
-        assert!(differing.is_empty(), "step {step}: {differing:?} differ");
+        for (name, bits) in &expected {
+            assert!(found[name] == *bits, "step {step}: {name} differs");
+        }
     }
 }
 
@@ -192,39 +176,37 @@ fn only_what_a_change_touches_is_made_anew() {
     let mut pen = LineParams::default();
     pen.strokes.style = Style::Pen;
     let hatch = relight.with(|a| a.line = Some(pen));
-    let mut passes = |before: &Asked, change: fn(&mut Asked)| {
+    let mut expect = |before: &Asked, passes: &[&str], change: fn(&mut Asked)| {
         let after = before.with(change);
-        passes_of(&mut live, before, &after)
+        assert_eq!(passes_of(&mut live, before, &after), passes);
     };
     // Light and its scaling do not affect shape.
-    assert_eq!(passes(&relight, |a| a.azimuth = 30.0), ["relight"]);
-    assert_eq!(passes(&relight, |a| a.scaling.scaling = 1.5), ["relight"]);
-    assert_eq!(
-        passes(&relight, |a| new_light(a).warping.warp = 2.0),
-        ["relight"]
-    );
-    assert_eq!(
-        passes(&enhance, |a| a.scaling.scaling = 1.5),
-        ["radiance-scaling"]
-    );
+    expect(&relight, &["relight"], |a| a.azimuth = 30.0);
+    expect(&relight, &["relight"], |a| a.scaling.scaling = 1.5);
+    expect(&relight, &["relight"], |a| new_light(a).warping.warp = 2.0);
+    let scaled = ["radiance-scaling"];
+    expect(&enhance, &scaled, |a| a.scaling.scaling = 1.5);
     // A new scale repeats the diffusion, between the same edges.
-    let another_scale = |a: &mut Asked| a.shape.scale = Scale::Iterations(30);
-    let expected = ["auto-gain", "curvature", "diffusion", "relight"];
-    assert_eq!(passes(&relight, another_scale), expected);
+    let diffused = ["auto-gain", "curvature", "diffusion", "relight"];
+    expect(&relight, &diffused, |a| {
+        a.shape.scale = Scale::Iterations(30)
+    });
     // A given gain applies to the same curvature.
-    let told_gain = |a: &mut Asked| a.scaling.curvature_gain = Adaptive::Fixed(4.0);
-    assert_eq!(passes(&enhance, told_gain), ["radiance-scaling"]);
+    expect(&enhance, &scaled, |a| {
+        a.scaling.curvature_gain = Adaptive::Fixed(4.0)
+    });
     // Other edges recompute everything except products of the picture alone.
-    let other_edges = |a: &mut Asked| a.shape.crease = SoftThreshold { lo: 20.0, hi: 40.0 };
-    let expected = [
+    let all = [
         "auto-gain",
         "curvature",
         "diffusion",
         "edges-and-gradient",
         "radiance-scaling",
     ];
-    assert_eq!(passes(&enhance, other_edges), expected);
+    expect(&enhance, &all, |a| {
+        a.shape.crease = SoftThreshold { lo: 20.0, hi: 40.0 }
+    });
     // A drawing in another light keeps directions and contours.
-    let other_light = passes(&hatch, |a| a.azimuth = 30.0);
-    assert_eq!(other_light, ["auto-white", "hatching", "relight"]);
+    let drawn = ["auto-white", "hatching", "relight"];
+    expect(&hatch, &drawn, |a| a.azimuth = 30.0);
 }

@@ -1,11 +1,13 @@
 //! Normal maps in the ways that people have them: short, with a rim that faces away, without z, bare in an EXR.
 
 use crate::common::exr::Part;
+use crate::common::files::{load, try_load};
+use crate::common::{covered, places};
 use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use relievo::frame::{Flip, Plane};
-use relievo::io::inputs::{Inputs, NormalEncoding};
-use relievo::io::{Loaded, Needs, load, srgb};
+use relievo::io::inputs::NormalEncoding;
+use relievo::io::{Loaded, srgb};
 use std::path::Path;
 
 const SIDE: u32 = 128;
@@ -35,22 +37,39 @@ fn save(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 4]) {
     }
 }
 
-fn inputs(picture: &Path, normal: Option<&Path>) -> Inputs {
-    Inputs {
-        picture: picture.into(),
-        normal: normal.map(|path| path.to_str().unwrap().into()),
-        ..Inputs::default()
-    }
+/// Saves opaque codes of a map.
+fn save_rgb(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 3]) {
+    save(path, |x, y| {
+        let [r, g, b] = pixel(x, y);
+        [r, g, b, 255]
+    });
+}
+
+/// A photograph of one colour.
+fn save_photo(path: &Path) {
+    save_rgb(path, |_, _| [200, 150, 120]);
+}
+
+/// The codes of a normal.
+fn codes(normal: DVec3) -> [u8; 3] {
+    normal.to_array().map(code)
+}
+
+/// A picture with a map of its normals.
+fn load_with(picture: &Path, map: &Path) -> Loaded {
+    load(picture, |inputs, _| inputs.normal = Some(text(map)))
+}
+
+fn text(path: &Path) -> String {
+    path.to_str().unwrap().into()
 }
 
 /// The largest error of a component of the normals that are covered, which are `count`.
 fn error(loaded: &Loaded, count: usize, truth: impl Fn(u32, u32) -> DVec3) -> f64 {
     let frame = &loaded.frame;
     assert_eq!(frame.mask.count(), count);
-    let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
-    let covered = pixels.filter(|&(x, y)| frame.mask.at(x as usize, y as usize));
-    let errors = covered.map(|(x, y)| {
-        let off = frame.normal.at(x as usize, y as usize) - truth(x, y);
+    let errors = covered(&frame.mask).map(|(x, y)| {
+        let off = frame.normal.at(x, y) - truth(x as u32, y as u32);
         off.abs().max_element()
     });
     errors.fold(0.0, f64::max)
@@ -67,20 +86,18 @@ fn short_vectors_are_used_where_alpha_covers_them() {
     // Outside of the sprite lies what no normal map holds.
     save(&map, |x, y| match is_inside(x, y) {
         true => {
-            let [r, g, b] = (0.65 * bump(x, y)).to_array().map(code);
+            let [r, g, b] = codes(0.65 * bump(x, y));
             [r, g, b, alpha(x, y)]
         }
         false => [143, 115, 84, 0],
     });
     save(&photo, |x, y| [200, 150, 120, alpha(x, y)]);
-    let inputs = inputs(&photo, Some(&map));
-    let needs = Needs {
-        color: true,
-        ..Needs::default()
-    };
-    let loaded = load(&inputs, needs).unwrap();
-    let inside = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
-    let count = inside.filter(|&(x, y)| is_inside(x, y)).count();
+    let loaded = load(photo, |inputs, needs| {
+        inputs.normal = Some(text(&map));
+        needs.color = true;
+    });
+    let all = places(SIDE as usize, SIDE as usize);
+    let count = all.filter(|&(x, y)| is_inside(x as u32, y as u32)).count();
     // Two components are off by a code each, of vectors .65 long; the third follows.
     assert!(error(&loaded, count, bump) < 1.5 * CODE / 0.65);
     let said = loaded.warnings.concat();
@@ -93,33 +110,26 @@ fn an_integer_picture_is_in_view_space_though_a_tenth_of_it_faces_away() {
     let path = folder.path().join("map.png");
     // Every n-th column leans over to z = -.28.
     let map = |n: u32| {
-        save(&path, |x, y| {
-            let normal = match x % n {
-                0 => DVec3::new(0.96, 0.0, -0.28),
-                _ => bump(x, y),
-            };
-            let [r, g, b] = normal.to_array().map(code);
-            [r, g, b, 255]
+        save_rgb(&path, |x, y| match x % n {
+            0 => codes(DVec3::new(0.96, 0.0, -0.28)),
+            _ => codes(bump(x, y)),
         });
-        load(&inputs(&path, None), Needs::default())
+        try_load(&path, |_, _| ())
     };
     // 7 of 128 columns are 5.5 %, 26 are 20 %.
     let loaded = map(20).unwrap();
     assert!((loaded.frame.normal.z.at(20, 64) + 0.28).abs() < 0.01);
     let said = loaded.warnings.concat();
-    assert!(
-        said.contains("view, as in any picture of integers"),
-        "{said}"
-    );
+    let reason = "view, as in any picture of integers";
+    assert!(said.contains(reason), "{said}");
     assert!(map(5).is_err());
 }
 
 #[test]
 fn z_is_rebuilt_where_blue_says_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("map.png");
-    let photo = folder.path().join("photo.png");
-    save(&photo, |_, _| [200, 150, 120, 255]);
+    let [path, photo] = ["map.png", "photo.png"].map(|name| folder.path().join(name));
+    save_photo(&photo);
     // z of the bump, constants, and occlusion that darkens the bump's foot.
     let occlusion = |x, y| (255.0 - 2000.0 * (1.0 - bump(x, y).z)) as u8;
     type Blue<'a> = (&'a dyn Fn(u32, u32) -> u8, bool);
@@ -131,11 +141,11 @@ fn z_is_rebuilt_where_blue_says_nothing() {
         (&occlusion, true),
     ];
     for (i, (blue, is_rebuilt)) in blues.into_iter().enumerate() {
-        save(&path, |x, y| {
-            let n = bump(x, y);
-            [code(n.x), code(n.y), blue(x, y), 255]
+        save_rgb(&path, |x, y| {
+            let [r, g, _] = codes(bump(x, y));
+            [r, g, blue(x, y)]
         });
-        let loaded = load(&inputs(&photo, Some(&path)), Needs::default()).unwrap();
+        let loaded = load_with(&photo, &path);
         let error = error(&loaded, ALL, bump);
         // z changes by x / z = .32 of x and y together.
         assert!(error < 1.5 * CODE, "{i}: {error}");
@@ -146,16 +156,16 @@ fn z_is_rebuilt_where_blue_says_nothing() {
     }
     // x in alpha, y in green, as DXT5nm: told without a flag, whether the map is named or the picture itself.
     save(&path, |x, y| {
-        let n = bump(x, y);
-        [255, code(n.y), 255, code(n.x)]
+        let [r, g, _] = codes(bump(x, y));
+        [255, g, 255, r]
     });
-    for inputs in [inputs(&photo, Some(&path)), inputs(&path, None)] {
-        let loaded = load(&inputs, Needs::default()).unwrap();
+    for loaded in [load_with(&photo, &path), load(&path, |_, _| ())] {
         assert!(error(&loaded, ALL, bump) < 1.5 * CODE);
         assert_eq!(loaded.conventions.normal_encoding, NormalEncoding::Ag);
     }
     // A photograph of one colour is none.
-    assert!(load(&inputs(&photo, Some(&photo)), Needs::default()).is_err());
+    let photo_alone = try_load(&photo, |inputs, _| inputs.normal = Some(text(&photo)));
+    assert!(photo_alone.is_err());
 }
 
 /// What a program does to a map that it takes for a picture is undone, unless a user says that the codes are those of normals.
@@ -164,38 +174,34 @@ fn z_is_rebuilt_where_blue_says_nothing() {
 fn mistakes_in_saving_a_map_are_undone() {
     let folder = tempfile::tempdir().unwrap();
     let [path, photo] = ["map.png", "photo.png"].map(|name| folder.path().join(name));
-    save(&photo, |_, _| [200, 150, 120, 255]);
+    save_photo(&photo);
     let share = |v: f64| 0.5 + 0.5 * v;
     let round = |share: f64| (255.0 * share).round() as u8;
     let as_light = |v| round(srgb::encoded(share(v)));
     let as_linear = |v| round(srgb::decoded(share(v)));
     type Saved<'a> = &'a dyn Fn(DVec3) -> [u8; 3];
     let saved: [(Saved, &str); 4] = [
-        (&|n| n.to_array().map(code), ""),
+        (&codes, ""),
         (&|n| n.to_array().map(as_light), "saved as sRGB light"),
         (&|n| n.to_array().map(as_linear), "made linear"),
         (&|n| [n.y, n.x, n.z].map(code), "red and green exchanged"),
     ];
     for (saved, mistake) in saved {
-        save(&path, |x, y| {
-            let [r, g, b] = saved(bump(x, y));
-            [r, g, b, 255]
-        });
-        let mut inputs = inputs(&photo, Some(&path));
-        let loaded = load(&inputs, Needs::default()).unwrap();
+        save_rgb(&path, |x, y| saved(bump(x, y)));
+        let loaded = load_with(&photo, &path);
         let said = loaded.warnings.concat();
         let is_said = said.contains("takes them as they are");
         assert_eq!(is_said, !mistake.is_empty(), "{mistake}: {said}");
         assert!(said.contains(mistake), "{mistake}: {said}");
         let off = error(&loaded, ALL, bump);
         assert!(off < 1.5 * CODE, "{mistake}: {off}");
-        inputs.normal_encoding = Some(NormalEncoding::Unsigned);
-        let loaded = load(&inputs, Needs::default()).unwrap();
+        let loaded = load(&photo, |inputs, _| {
+            inputs.normal = Some(text(&path));
+            inputs.normal_encoding = Some(NormalEncoding::Unsigned);
+        });
         let said = loaded.warnings.concat();
-        assert!(
-            !said.contains("takes them as they are"),
-            "{mistake}: {said}"
-        );
+        let is_said = said.contains("takes them as they are");
+        assert!(!is_said, "{mistake}: {said}");
         let is_kept = error(&loaded, ALL, bump) > 0.1;
         assert_eq!(is_kept, !mistake.is_empty(), "{mistake}");
     }
@@ -214,17 +220,12 @@ fn a_flat_code_of_128_is_flat() {
     };
     // 127.5 rounds to 128 where it is flat: 128 / 127.5 - 1 = .0039 of slope, half a pixel of height over 128. Less than
     // a tenth of it is left, 65 pixels from the bump.
-    save(&path, |x, y| {
-        let [r, g, b] = truth(x, y).to_array().map(code);
-        [r, g, b, 255]
-    });
-    let loaded = load(&inputs(&path, None), Needs::default()).unwrap();
+    save_rgb(&path, |x, y| codes(truth(x, y)));
+    let loaded = load(path, |_, _| ());
     assert!(error(&loaded, ALL, truth) < CODE);
-    for row in [3, 124] {
-        for column in [3, 124] {
-            let corner = loaded.frame.normal.at(column, row);
-            assert!(corner.truncate().abs().max_element() < 0.0004, "{corner}");
-        }
+    for (x, y) in [(3, 3), (124, 3), (3, 124), (124, 124)] {
+        let corner = loaded.frame.normal.at(x, y);
+        assert!(corner.truncate().abs().max_element() < 0.0004, "{corner}");
     }
 }
 
@@ -235,30 +236,31 @@ fn vectors_of_an_exr_need_neither_name_nor_z() {
         let side = SIDE as usize;
         Plane::from_fn(side, side, |x, y| at(bump(x as u32, y as u32)) as f32)
     };
-    let read = |name: &str, channels: &[(&str, &Plane)], more: Inputs| {
+    let write = |name: &str, channels: &[(&str, &Plane)]| {
         let picture = folder.path().join(name);
         Part::of(channels.iter().copied()).write(&picture);
-        load(&Inputs { picture, ..more }, Needs::default()).unwrap()
+        picture
     };
-    let none = Inputs::default;
+    let read = |name, channels: &[(&str, &Plane)]| load(write(name, channels), |_, _| ());
     let [x, y, z] = [plane(&|n| n.x), plane(&|n| n.y), plane(&|n| n.z)];
-    let rgb = read("rgb.exr", &[("B", &z), ("G", &y), ("R", &x)], none());
+    let rgb = read("rgb.exr", &[("B", &z), ("G", &y), ("R", &x)]);
     assert!(error(&rgb, ALL, bump) < 1e-6);
-    let xyz = read("xyz.exr", &[("X", &x), ("Y", &y), ("Z", &z)], none());
+    let xyz = read("xyz.exr", &[("X", &x), ("Y", &y), ("Z", &z)]);
     assert_eq!(rgb.frame.normal, xyz.frame.normal);
     assert!(xyz.frame.depth.is_none() && xyz.frame.color.is_none());
-    let pair = read("pair.exr", &[("N.X", &x), ("N.Y", &y)], none());
+    let pair = read("pair.exr", &[("N.X", &x), ("N.Y", &y)]);
     assert!(error(&pair, ALL, bump) < 1e-6);
     assert_eq!(pair.conventions.normal_encoding, NormalEncoding::Xy);
     // The octahedron |x| + |y| + |z| = 1 seen along z.
     let sum = |n: DVec3| n.abs().element_sum();
     let [u, v] = [plane(&|n| n.x / sum(n)), plane(&|n| n.y / sum(n))];
-    let octahedral = Inputs {
-        normal: Some("M".into()),
-        normal_encoding: Some(NormalEncoding::Oct),
-        ..none()
-    };
-    let loaded = read("oct.exr", &[("M.X", &u), ("M.Y", &v)], octahedral);
+    let loaded = load(
+        write("oct.exr", &[("M.X", &u), ("M.Y", &v)]),
+        |inputs, _| {
+            inputs.normal = Some("M".into());
+            inputs.normal_encoding = Some(NormalEncoding::Oct);
+        },
+    );
     assert!(error(&loaded, ALL, bump) < 1e-6);
 }
 
@@ -282,13 +284,7 @@ fn a_layer_of_light_is_no_normal_map() {
     // From .1 to 9 in all channels: lengths from .17 to 16, of which few are near 1.
     let light = Plane::from_fn(64, 64, |x, y| 0.1 + 0.14 * x.min(y) as f32);
     Part::of(["L.R", "L.G", "L.B"].map(|name| (name, &light))).write(&path);
-    let found = load(
-        &Inputs {
-            normal: Some("L".into()),
-            ..inputs(&path, None)
-        },
-        Needs::default(),
-    );
+    let found = try_load(path, |inputs, _| inputs.normal = Some("L".into()));
     let said = found.err().unwrap().to_string();
     assert!(said.contains("is no normal map"), "{said}");
 }

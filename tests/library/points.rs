@@ -1,13 +1,14 @@
 //! Surface points from any layers that give them: positions, or depth of any kind.
 
-use crate::common::cpu;
 use crate::common::exr::{Part, Stored};
+use crate::common::files::load;
+use crate::common::program::fixture;
+use crate::common::{cpu, places};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection};
-use relievo::io::{self, Loaded, Needs, inputs::Inputs};
-use relievo::params::{ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, Plan, Points};
-use relievo::scenes::{ExactScene, Surface};
+use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection, Vector3Planes};
+use relievo::params::ShapeParams;
+use relievo::plan::{Goal, Points};
+use relievo::scenes::{Exact, ExactScene, Surface};
 use std::fs;
 use std::path::Path;
 
@@ -18,13 +19,9 @@ const SIDE: usize = 280;
 fn scene() -> ExactScene {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
     let ellipsoid = Surface::ellipsoid(DVec3::new(110.0, 77.0, 55.0), turn);
+    let [fx, fy, cx, cy] = [400.0, 400.0, 0.0, 140.0];
     ExactScene {
-        projection: Projection::Perspective {
-            fx: 400.0,
-            fy: 400.0,
-            cx: 0.0,
-            cy: 140.0,
-        },
+        projection: Projection::Perspective { fx, fy, cx, cy },
         ..ExactScene::orthographic(ellipsoid.moved(DVec3::new(140.0, 0.0, 0.0)), 0.0, 0.0)
     }
 }
@@ -41,34 +38,27 @@ fn write(path: &Path, frame: &Frame, planes: &[(&str, &Plane, Stored)]) {
     part.write(path);
 }
 
-fn loaded(path: &Path, camera: Option<&Path>) -> Loaded {
-    let inputs = Inputs {
-        picture: path.to_path_buf(),
-        camera: camera.map(Path::to_path_buf),
-        normal_space: Some(NormalSpace::View),
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        color: false,
-        projection: true,
-        ..Needs::default()
-    };
-    io::load(&inputs, needs).unwrap()
+fn frame_of(path: &Path, camera: Option<&Path>) -> Frame {
+    let loaded = load(path, |inputs, needs| {
+        inputs.camera = camera.map(Path::to_path_buf);
+        inputs.normal_space = Some(NormalSpace::View);
+        needs.projection = true;
+    });
+    loaded.frame
 }
 
 /// The 95th percentile of the angle, in degrees, between the directions of two frames, and the source of the first
 /// one's points.
 fn compared(frame: &Frame, truth: &Frame) -> (f64, Points) {
     let run = |frame: &Frame| {
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::new(Goal::LAYERS, Available::in_frame(frame), shape, scaling).unwrap();
+        let plan = cpu::plan(Goal::LAYERS, frame, ShapeParams::default()).unwrap();
         (cpu::run(&plan, frame).unwrap().shape, plan.points)
     };
     let ((found, points), (exact, _)) = (run(frame), run(truth));
     let (a, b) = (found.direction.unwrap(), exact.direction.unwrap());
     let open = exact.conductance.unwrap();
     let mut angles = Vec::new();
-    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+    for (x, y) in places(SIDE, SIDE) {
         if open.at(x, y) == 1.0 && truth.normal.z.at(x, y) > 0.5 {
             let sine = a.x.at(x, y) * b.y.at(x, y) - a.y.at(x, y) * b.x.at(x, y);
             angles.push(f64::from(sine.abs()).asin().to_degrees());
@@ -88,29 +78,20 @@ fn positions_stand_in_for_depth() {
     for (place, bound) in [(0.0, 0.01), (1000.0, 0.3)] {
         let turn = DMat3::from_rotation_y(0.8) * DMat3::from_rotation_x(-0.4);
         let world = DAffine3::from_mat3_translation(turn, DVec3::new(place, -place, 0.5 * place));
-        let plane = |i: usize| {
-            Plane::from_fn(SIDE, SIDE, |x, y| {
-                let seen = scene
-                    .exact(x, y)
-                    .map(|e| world.transform_point3(e.point / 110.0));
-                seen.map_or(0.0, |p| p[i]) as f32
-            })
-        };
-        let [x, y, z] = [0, 1, 2].map(plane);
+        let seen = |e: Exact| world.transform_point3(e.point / 110.0);
+        let at = |x, y| scene.exact(x, y).map_or(DVec3::ZERO, seen);
+        let Vector3Planes { x, y, z } = Vector3Planes::from_fn(SIDE, SIDE, at);
         let path = desk.path().join("p.exr");
-        let float = Stored::Float;
+        let position = [("P.X", &x), ("P.Y", &y), ("P.Z", &z)];
         write(
             &path,
             &frame,
-            &[("P.X", &x, float), ("P.Y", &y, float), ("P.Z", &z, float)],
+            &position.map(|(name, plane)| (name, plane, Stored::Float)),
         );
-        let loaded = loaded(&path, None).frame;
+        let loaded = frame_of(&path, None);
         assert_eq!(loaded.source.depth_kind, DepthKind::Planar);
         assert_eq!(loaded.mask, frame.mask);
-        let (depth, truth) = (
-            loaded.depth.as_ref().unwrap(),
-            frame.depth.as_ref().unwrap(),
-        );
+        let [depth, truth] = [&loaded, &frame].map(|frame| frame.depth.as_ref().unwrap());
         for (found, exact) in depth.samples().iter().zip(truth.samples()) {
             assert!((found * 110.0 - exact).abs() < 1e-3 + 2e-5 * place as f32 * 110.0);
         }
@@ -131,44 +112,35 @@ fn what_depth_measures_is_told_by_the_normals() {
         r#"{"focal_px": 400, "principal_point_px": [0, 140]}"#,
     )
     .unwrap();
-    let of = |value: fn(&relievo::scenes::Exact) -> f64| {
-        Plane::from_fn(SIDE, SIDE, |x, y| {
-            scene.exact(x, y).as_ref().map_or(0.0, value) as f32
-        })
-    };
-    let cases = [
-        ("planar", of(|e| e.depth), Stored::Float, DepthKind::Planar),
+    type Depth = fn(&Exact) -> f64;
+    let planar: Depth = |e| e.depth;
+    let cases: [(&str, Depth, Stored, DepthKind); 4] = [
+        ("planar", planar, Stored::Float, DepthKind::Planar),
         (
-            "along the sight line",
-            of(|e| e.point.length()),
+            "sight line",
+            |e| e.point.length(),
             Stored::Float,
             DepthKind::Ray,
         ),
         (
             "inverse",
-            of(|e| 1.0 / e.depth),
+            |e| 1.0 / e.depth,
             Stored::Float,
             DepthKind::Planar,
         ),
-        (
-            "half floats",
-            of(|e| e.depth),
-            Stored::Half,
-            DepthKind::Relative,
-        ),
+        ("half floats", planar, Stored::Half, DepthKind::Relative),
     ];
     for (name, depth, stored, kind) in cases {
+        let seen = |x, y| scene.exact(x, y).as_ref().map_or(0.0, depth) as f32;
+        let depth = Plane::from_fn(SIDE, SIDE, seen);
         let path = desk.path().join("z.exr");
         write(&path, &frame, &[("Z", &depth, stored)]);
-        let loaded = loaded(&path, Some(&camera)).frame;
+        let loaded = frame_of(&path, Some(&camera));
         assert_eq!(loaded.source.depth_kind, kind, "{name}");
         let (p95, points) = compared(&loaded, &frame);
         println!("{name}: p95 {p95:.4} degrees from {points:?}");
-        assert_eq!(
-            points == Points::Depth,
-            kind != DepthKind::Relative,
-            "{name}"
-        );
+        let is_relative = kind == DepthKind::Relative;
+        assert_eq!(points == Points::Depth, !is_relative, "{name}");
         // Points from normals are of the second order too; 0.0037 was measured.
         assert!(p95 < 0.01, "{name}: {p95} degrees");
     }
@@ -180,25 +152,13 @@ fn coarse_storage_of_normals_is_known() {
     let frame = scene().frame(SIDE, SIDE);
     let path = desk.path().join("n.exr");
     write(&path, &frame, &[]);
-    assert_eq!(loaded(&path, None).frame.source.normal_rounding, 0.0);
+    assert_eq!(frame_of(&path, None).source.normal_rounding, 0.0);
     let steps = |rounding| ShapeParams::default().direction_steps_px(rounding);
     assert_eq!(steps(0.0), [1, 1]);
-    let tablet = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    let inputs = Inputs {
-        picture: tablet.join("tablet.color.jpg"),
-        normal: Some(tablet.join("tablet.normal.png").display().to_string()),
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        color: false,
-        projection: false,
-        ..Needs::default()
-    };
-    let rounding = io::load(&inputs, needs)
-        .unwrap()
-        .frame
-        .source
-        .normal_rounding;
+    let tablet = load(fixture("tablet.color.jpg"), |inputs, _| {
+        inputs.normal = Some(fixture("tablet.normal.png").display().to_string());
+    });
+    let rounding = tablet.frame.source.normal_rounding;
     assert_eq!(rounding, 1.0 / 255.0);
     assert_eq!(steps(rounding), [4, 16]);
 }

@@ -3,10 +3,10 @@
 //! Lengths are in pixels at the reference height of 540 lines. Results are compared with the closed form, so the bounds
 //! also hold between any two resolutions, added up.
 
-use crate::common::cpu;
+use crate::common::{cpu, places};
 use glam::{DVec2, DVec3};
 use relievo::engine::Outcome;
-use relievo::frame::{Frame, Projection, Window};
+use relievo::frame::{Frame, Projection, Vector3Planes, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::scenes::{ExactScene, Surface};
@@ -55,13 +55,10 @@ fn waves(lines: usize) -> Frame {
     let relief = Surface::sine_relief(AMPLITUDE, std::f64::consts::TAU / K, ANGLE);
     let mut frame =
         ExactScene::orthographic(Surface::plane(DVec3::Z), 0.0, 0.0).frame(width, lines);
-    for (x, y) in (0..lines).flat_map(|y| (0..width).map(move |x| (x, y))) {
+    frame.normal = Vector3Planes::from_fn(width, lines, |x, y| {
         let (slope, _) = relief.derivatives(position(x, y, scale).extend(0.0));
-        let n = slope.normalize().as_vec3();
-        frame.normal.x.row_mut(y)[x] = n.x;
-        frame.normal.y.row_mut(y)[x] = n.y;
-        frame.normal.z.row_mut(y)[x] = n.z;
-    }
+        slope.normalize()
+    });
     frame
 }
 
@@ -80,15 +77,14 @@ fn wave_error(lines: usize, sigma: f64, shape: ShapeParams) -> f64 {
     let wave = DVec2::from_angle(ANGLE) * K;
     let peak = AMPLITUDE * K * K * (-0.5 * (K * sigma).powi(2)).exp();
     let border = (5.0 * sigma * factor(lines)) as usize;
-    let mut largest = 0.0_f64;
-    for y in border..kappa.height() - border {
-        for x in border..kappa.width() - border {
-            let at = position(x, y, factor(lines));
-            let expected = (f64::from(GAIN) * peak * wave.dot(at).sin()).tanh();
-            largest = largest.max((f64::from(kappa.at(x, y)) - expected).abs());
-        }
-    }
-    largest
+    let inner = places(kappa.width() - 2 * border, kappa.height() - 2 * border);
+    let errors = inner.map(|(x, y)| {
+        let (x, y) = (x + border, y + border);
+        let at = position(x, y, factor(lines));
+        let expected = (f64::from(GAIN) * peak * wave.dot(at).sin()).tanh();
+        (f64::from(kappa.at(x, y)) - expected).abs()
+    });
+    errors.fold(0.0, f64::max)
 }
 
 /// Largest error of kappa against the closed form at `lines` lines, at least 0.0061.
@@ -132,10 +128,8 @@ fn without_a_reference_kappa_follows_resolution() {
     assert!(wave_error(540, SIGMA, own) < allowed(540, SIGMA));
     for lines in [270, 1080] {
         let error = wave_error(lines, SIGMA, own);
-        assert!(
-            error > 10.0 * allowed(lines, SIGMA),
-            "{lines} lines: {error}"
-        );
+        let bound = 10.0 * allowed(lines, SIGMA);
+        assert!(error > bound, "{lines} lines: {error}");
     }
 }
 
@@ -144,9 +138,8 @@ fn the_gain_chosen_is_the_same_at_every_resolution() {
     // A mean of the trace, whose relative error `allowed` derives, 1.3 % at the most.
     let gain = |lines, reference| {
         let shape = settings(reference, Scale::Sigma(SIGMA as f32));
-        described(&waves(lines), shape, Adaptive::Auto)
-            .gain
-            .unwrap()
+        let outcome = described(&waves(lines), shape, Adaptive::Auto);
+        outcome.gain.unwrap()
     };
     let expected = gain(540, Some(REFERENCE));
     for lines in LINES {
@@ -163,13 +156,9 @@ const FAR: f64 = 170.0;
 
 fn balls(lines: usize) -> ExactScene {
     let scale = factor(lines);
+    let [sx, sy, cx, cy] = [1.0, 1.0, 270.0, 270.0].map(|length| length * scale);
     ExactScene {
-        projection: Projection::Orthographic {
-            sx: scale,
-            sy: scale,
-            cx: 270.0 * scale,
-            cy: 270.0 * scale,
-        },
+        projection: Projection::Orthographic { sx, sy, cx, cy },
         ..ExactScene::two_balls(NEAR, FAR, 0.0, 0.0)
     }
 }
@@ -179,10 +168,8 @@ fn well_inside(scene: &ExactScene, x: f64, y: f64, margin: f64) -> Option<usize>
     let seen = |x, y| scene.exact_at(x, y).map(|exact| exact.surface);
     let here = seen(x, y)?;
     let around = (0..24).map(|i| DVec2::from_angle(f64::from(i) * std::f64::consts::TAU / 24.0));
-    around
-        .map(|u| seen(x + margin * u.x, y + margin * u.y))
-        .all(|other| other == Some(here))
-        .then_some(here)
+    let mut seen = around.map(|u| seen(x + margin * u.x, y + margin * u.y));
+    seen.all(|other| other == Some(here)).then_some(here)
 }
 
 #[test]
@@ -196,31 +183,26 @@ fn balls_keep_their_kappa_at_every_resolution() {
         foreshortening: 0.0,
         ..settings(Some(REFERENCE), Scale::Sigma(sigma as f32))
     };
-    let places: Vec<_> = (0..54 * 54)
-        .map(|i| {
-            (
-                10.0 * f64::from(i % 54) + 5.3,
-                10.0 * f64::from(i / 54) + 4.7,
-            )
-        })
-        .filter_map(|(x, y)| Some((x, y, well_inside(&balls(540), x, y, 24.0 + 6.0 * sigma)?)))
-        .collect();
-    assert!(places.len() > 300, "only {} places", places.len());
+    let scene = balls(540);
+    let inside = places(54, 54).filter_map(|(x, y)| {
+        let (x, y) = (10.0 * x as f64 + 5.3, 10.0 * y as f64 + 4.7);
+        Some((x, y, well_inside(&scene, x, y, 24.0 + 6.0 * sigma)?))
+    });
+    let inside: Vec<_> = inside.collect();
+    assert!(inside.len() > 300, "only {} places", inside.len());
     for lines in LINES {
-        let outcome = described(
-            &balls(lines).frame(lines, lines),
-            shape,
-            Adaptive::Fixed(GAIN),
-        );
+        let frame = balls(lines).frame(lines, lines);
+        let outcome = described(&frame, shape, Adaptive::Fixed(GAIN));
         let kappa = outcome.shape.kappa.unwrap();
-        for &(x, y, ball) in &places {
+        for &(x, y, ball) in &inside {
             let radius = [NEAR, FAR][ball];
             let expected = (f64::from(GAIN) * 2.0 / radius).tanh();
             let pixel = |v: f64| (v * factor(lines)) as usize;
             let found = f64::from(kappa.at(pixel(x), pixel(y)));
+            let case = format!("{lines} lines, ({x}, {y})");
             assert!(
                 (found - expected).abs() < 2e-4,
-                "{lines} lines, ({x}, {y}): {found}, not {expected}"
+                "{case}: {found}, not {expected}"
             );
         }
     }

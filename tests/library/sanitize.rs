@@ -3,7 +3,7 @@
 use crate::common::cpu;
 use crate::common::exr::Stored;
 use crate::common::planes::planes;
-use crate::common::{poisoned, through_a_file, without_depth};
+use crate::common::{default_but, places, poisoned, through_a_file, without_depth};
 use glam::Vec3;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::Loaded;
@@ -18,18 +18,11 @@ const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let step = |at| SoftThreshold { lo: at, hi: at };
-    let iterations = |iterations| ShapeParams {
-        scale: Scale::Iterations(iterations),
-        ..shape
-    };
-    let foreshortening = |foreshortening| ShapeParams {
-        foreshortening,
-        ..shape
-    };
-    let referring = |reference_height| ShapeParams {
-        reference_height: Some(reference_height),
-        ..shape
-    };
+    let shaped = |change: &dyn Fn(&mut ShapeParams)| default_but(|shape| change(shape));
+    let scaled = |change: &dyn Fn(&mut ScalingParams)| default_but(|scaling| change(scaling));
+    let iterations = |n| shaped(&|shape| shape.scale = Scale::Iterations(n));
+    let foreshortening = |power| shaped(&|shape| shape.foreshortening = power);
+    let referring = |height| shaped(&|shape| shape.reference_height = Some(height));
     let magnitude = |magnitude, invariant_point| ScalingParams {
         scaling: magnitude,
         invariant_point,
@@ -39,10 +32,7 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
         curvature_gain: Adaptive::Fixed(gain),
         ..magnitude(1e3, 0.5)
     };
-    let white = |level| ScalingParams {
-        white_level: Adaptive::Fixed(level),
-        ..scaling
-    };
+    let white = |level| scaled(&|scaling| scaling.white_level = Adaptive::Fixed(level));
     let everything_an_edge = ShapeParams {
         silhouette: step(0.0),
         occlusion_silhouette: step(0.0),
@@ -56,23 +46,12 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
         time_step: 0.25,
         ..iterations(40)
     };
-    vec![
+    #[rustfmt::skip]
+    let all = vec![
         ("usual", shape, scaling),
-        (
-            "no diffusion, scaled by 0",
-            iterations(0),
-            magnitude(0.0, 0.25),
-        ),
-        (
-            "scaled by 1000 about 0",
-            foreshortening(1.0),
-            magnitude(1e3, 0.0),
-        ),
-        (
-            "scaled by 1000 about 1",
-            foreshortening(4.0),
-            magnitude(1e3, 1.0),
-        ),
+        ("no diffusion, scaled by 0", iterations(0), magnitude(0.0, 0.25)),
+        ("scaled by 1000 about 0", foreshortening(1.0), magnitude(1e3, 0.0)),
+        ("scaled by 1000 about 1", foreshortening(4.0), magnitude(1e3, 1.0)),
         ("gain 1e30", foreshortening(4.0), gain(1e30)),
         ("gain 1e-30", foreshortening(0.4), gain(1e-30)),
         ("white level 1e-30", iterations(0), white(1e-30)),
@@ -81,7 +60,8 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
         ("the greatest reference", referring(u32::MAX), scaling),
         ("everything an edge", everything_an_edge, scaling),
         ("nothing an edge", nothing_an_edge, scaling),
-    ]
+    ];
+    all
 }
 
 fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -> Plan {
@@ -110,17 +90,10 @@ fn assert_finite_under(frame: &Frame, name: &str, settings: &[(&str, ShapeParams
                 let size = (plane.width(), plane.height());
                 assert_eq!(size, (frame.mask.width(), frame.mask.height()), "{case}");
                 let wrong = plane.samples().iter().position(|v| !v.is_finite());
-                if let Some(index) = wrong {
-                    let (x, y) = (index % plane.width(), index / plane.width());
-                    let value = plane.at(x, y);
-                    panic!("{case}: {quantity} is {value} at {x}, {y}");
-                }
+                assert_eq!(wrong, None, "{case}: {quantity}");
             }
-            assert!(outcome.gain.is_none_or(f32::is_finite), "{case}: gain");
-            assert!(
-                outcome.white_level.is_none_or(f32::is_finite),
-                "{case}: white"
-            );
+            let chosen = [outcome.gain, outcome.white_level];
+            assert!(chosen.iter().flatten().all(|v| v.is_finite()), "{case}");
         }
     }
 }
@@ -151,19 +124,14 @@ fn rough(width: usize, height: usize) -> Frame {
         }
     });
     let colors = [-3.0, 0.0, 50.0, 65504.0, -65504.0, 1e-38, 0.5, 1.0];
-    let color = |c| {
-        Plane::from_fn(width, height, |x, y| {
-            colors[(noise(x, y, c) * 7.99) as usize]
-        })
-    };
+    let plane = |at: &dyn Fn(usize, usize) -> f32| Plane::from_fn(width, height, at);
+    let color = |c| plane(&|x, y| colors[(noise(x, y, c) * 7.99) as usize]);
     Frame {
         mask: Mask::full(width, height),
         normal,
-        normal_length: Some(Plane::from_fn(width, height, |x, y| 1.02 * noise(x, y, 5))),
-        depth: Some(Plane::from_fn(width, height, |x, y| {
-            10.0_f32.powf(12.0 * noise(x, y, 6) - 6.0)
-        })),
-        occlusion: Some(Plane::from_fn(width, height, |x, y| noise(x, y, 7))),
+        normal_length: Some(plane(&|x, y| 1.02 * noise(x, y, 5))),
+        depth: Some(plane(&|x, y| 10.0_f32.powf(12.0 * noise(x, y, 6) - 6.0))),
+        occlusion: Some(plane(&|x, y| noise(x, y, 7))),
         color: Some(ColorPlanes {
             r: color(8),
             g: color(9),
@@ -185,35 +153,29 @@ fn depth_of(frame: Frame, depth: impl FnMut(usize, usize) -> f32) -> Frame {
 fn hostile_frames() -> Vec<(&'static str, Frame)> {
     let (w, h) = (29, 23);
     let perspective = ExactScene::orthographic(Surface::ball(10.0), 14.3, 11.2).in_perspective();
+    let part = |mask: fn(usize, usize) -> bool| masked(rough(w, h), mask);
+    let bare = Frame {
+        occlusion: None,
+        importance: None,
+        normal_length: None,
+        ..without_depth(rough(w, h))
+    };
+    let wide = depth_of(ball(w, h), |x, _| if x % 2 == 0 { 1e-6 } else { 1e6 });
     vec![
         ("ball", ball(w, h)),
         ("ball in perspective", perspective.frame(w, h)),
         ("rough", rough(w, h)),
         ("rough, no depth", without_depth(rough(w, h))),
-        (
-            "rough, neither depth nor occlusion",
-            Frame {
-                occlusion: None,
-                importance: None,
-                normal_length: None,
-                ..without_depth(rough(w, h))
-            },
-        ),
-        ("no surface", masked(rough(w, h), |_, _| false)),
-        ("one pixel", masked(rough(w, h), |x, y| (x, y) == (14, 11))),
-        ("one corner pixel", masked(rough(w, h), |x, y| x + y == 0)),
-        ("checkerboard", masked(rough(w, h), |x, y| (x + y) % 2 == 0)),
-        ("one row", masked(rough(w, h), |_, y| y == 5)),
-        (
-            "scattered",
-            masked(rough(w, h), |x, y| noise(x, y, 11) > 0.3),
-        ),
+        ("rough, neither depth nor occlusion", bare),
+        ("no surface", part(|_, _| false)),
+        ("one pixel", part(|x, y| (x, y) == (14, 11))),
+        ("one corner pixel", part(|x, y| x + y == 0)),
+        ("checkerboard", part(|x, y| (x + y) % 2 == 0)),
+        ("one row", part(|_, y| y == 5)),
+        ("scattered", part(|x, y| noise(x, y, 11) > 0.3)),
         ("constant depth", depth_of(ball(w, h), |_, _| 7.0)),
         ("tiny depth", depth_of(rough(w, h), |_, _| 1e-6)),
-        (
-            "depth from 1e-6 to 1e6",
-            depth_of(ball(w, h), |x, _| if x % 2 == 0 { 1e-6 } else { 1e6 }),
-        ),
+        ("depth from 1e-6 to 1e6", wide),
         ("1x1", rough(1, 1)),
         ("1x1, no surface", masked(rough(1, 1), |_, _| false)),
         ("2x2", rough(2, 2)),
@@ -240,10 +202,7 @@ fn very_wide_and_very_tall_frames_pass() {
 
 #[test]
 fn long_diffusion_settles() {
-    let many = ShapeParams {
-        scale: Scale::Iterations(20_000),
-        ..ShapeParams::default()
-    };
+    let many = default_but(|shape: &mut ShapeParams| shape.scale = Scale::Iterations(20_000));
     let settings = [("20000 steps", many, ScalingParams::default())];
     assert_finite_under(&rough(13, 11), "rough", &settings);
     assert_finite_under(&ball(13, 11), "ball", &settings);
@@ -274,19 +233,14 @@ fn enormous_colours_stay_finite() {
 #[test]
 fn poison_outside_the_mask_changes_no_bit_inside() {
     let (w, h) = (29, 23);
+    let scattered = || masked(rough(w, h), |x, y| noise(x, y, 11) > 0.3);
     let frames = [
         ("ball", ball(w, h)),
         ("ball, no depth", without_depth(ball(w, h))),
         ("one pixel", masked(rough(w, h), |x, y| (x, y) == (14, 11))),
         ("checkerboard", masked(rough(w, h), |x, y| (x + y) % 2 == 0)),
-        (
-            "scattered",
-            masked(rough(w, h), |x, y| noise(x, y, 11) > 0.3),
-        ),
-        (
-            "scattered, no depth",
-            without_depth(masked(rough(w, h), |x, y| noise(x, y, 11) > 0.3)),
-        ),
+        ("scattered", scattered()),
+        ("scattered, no depth", without_depth(scattered())),
     ];
     for (name, frame) in frames {
         let inside = frame.mask.plane().samples().to_vec();
@@ -305,10 +259,14 @@ fn poison_outside_the_mask_changes_no_bit_inside() {
                     assert_eq!(clean.len(), other.len(), "{case}");
                     for ((quantity, a), (_, b)) in clean.into_iter().zip(other) {
                         let samples = a.samples().iter().zip(b.samples()).zip(&inside);
-                        let changed = samples
-                            .filter(|((a, b), inside)| **inside && a.to_bits() != b.to_bits())
-                            .count();
-                        assert_eq!(changed, 0, "{case}: {quantity}");
+                        let differ = |((a, b), inside): ((&f32, &f32), &bool)| {
+                            *inside && a.to_bits() != b.to_bits()
+                        };
+                        assert_eq!(
+                            samples.filter(|s| differ(*s)).count(),
+                            0,
+                            "{case}: {quantity}"
+                        );
                     }
                 }
             }
@@ -319,20 +277,21 @@ fn poison_outside_the_mask_changes_no_bit_inside() {
 /// The frame with every plane poisoned outside the mask, the picture and its coverage too.
 fn spoilt(frame: &Frame, poison: f32) -> Frame {
     let spoil = |plane: &Plane| {
-        Plane::from_fn(plane.width(), plane.height(), |x, y| {
+        let at = |x, y| {
             if frame.mask.at(x, y) {
                 plane.at(x, y)
             } else {
                 poison
             }
-        })
+        };
+        Plane::from_fn(plane.width(), plane.height(), at)
+    };
+    let colors = |c: &ColorPlanes| {
+        let [r, g, b] = [&c.r, &c.g, &c.b].map(spoil);
+        ColorPlanes { r, g, b }
     };
     Frame {
-        color: frame.color.as_ref().map(|c| ColorPlanes {
-            r: spoil(&c.r),
-            g: spoil(&c.g),
-            b: spoil(&c.b),
-        }),
+        color: frame.color.as_ref().map(colors),
         alpha: frame.alpha.as_ref().map(spoil),
         // An occlusion map has no mask of its own: its values beside the surface belong to the border.
         ..poisoned(frame, poison)
@@ -371,58 +330,46 @@ impl Render {
 
     /// Writes it with samples of `stored`, and loads it.
     fn through_a_file(&self, stored: Stored) -> Loaded {
-        let Self {
-            normal,
-            depth,
-            color,
-            alpha,
-        } = self;
+        let (normal, color) = (&self.normal, &self.color);
         let layers = [
             ("R", Some(&color.r)),
             ("G", Some(&color.g)),
             ("B", Some(&color.b)),
-            ("A", alpha.as_ref()),
+            ("A", self.alpha.as_ref()),
             ("N.x", Some(&normal.x)),
             ("N.y", Some(&normal.y)),
             ("N.z", Some(&normal.z)),
-            ("Z", depth.as_ref()),
+            ("Z", self.depth.as_ref()),
         ];
         let there = layers.into_iter();
-        let there: Vec<_> = there
-            .filter_map(|(name, plane)| Some((name, plane?)))
-            .collect();
+        let there = there.filter_map(|(name, plane)| Some((name, plane?)));
+        let there: Vec<_> = there.collect();
         through_a_file(&there, stored)
     }
 }
 
 /// Expects a frame without NaN, infinity or sentinel, and results to match.
 fn assert_clean(frame: &Frame, name: &str) {
-    let Frame {
-        normal,
-        normal_length,
-        depth,
-        occlusion,
-        color,
-        alpha,
-        ..
-    } = frame;
-    let color = color.as_ref().unwrap();
-    let planes = [
-        &normal.x, &normal.y, &normal.z, &color.r, &color.g, &color.b,
+    let (normal, color) = (&frame.normal, frame.color.as_ref().unwrap());
+    #[rustfmt::skip]
+    let planes = [&normal.x, &normal.y, &normal.z, &color.r, &color.g, &color.b];
+    let others = [
+        &frame.normal_length,
+        &frame.depth,
+        &frame.occlusion,
+        &frame.alpha,
     ];
-    let others = [normal_length, depth, occlusion, alpha];
     for plane in planes.into_iter().chain(others.into_iter().flatten()) {
         assert!(plane.samples().iter().all(|v| v.is_finite()), "{name}");
     }
-    for (y, x) in
-        (0..frame.mask.height()).flat_map(|y| (0..frame.mask.width()).map(move |x| (y, x)))
-    {
-        let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
+    for (x, y) in places(frame.mask.width(), frame.mask.height()) {
+        let n = normal.at(x, y);
         if frame.mask.at(x, y) {
             assert!((n.length() - 1.0).abs() < 1e-5, "{name}: {n} at {x}, {y}");
-            assert!(depth.as_ref().is_none_or(|d| d.at(x, y) > 0.0), "{name}");
+            let depth = frame.depth.as_ref().map(|d| d.at(x, y));
+            assert!(depth.is_none_or(|d| d > 0.0), "{name}");
         } else {
-            assert_eq!(n, Vec3::ZERO, "{name}: outside at {x}, {y}");
+            assert_eq!(n.length(), 0.0, "{name}: outside at {x}, {y}");
         }
     }
     assert_finite(frame, name);
@@ -454,9 +401,7 @@ fn normals_without_direction_are_left_out_and_no_others() {
         for stored in [Stored::Float, Stored::Half] {
             let (width, height) = (2 * cases.len() + 1, 7);
             let mut render = Render::new(width, height);
-            if !with_depth {
-                render.depth = None;
-            }
+            render.depth = render.depth.filter(|_| with_depth);
             for (i, (n, _)) in cases.iter().enumerate() {
                 render.normal.x.row_mut(3)[2 * i + 1] = n.x;
                 render.normal.y.row_mut(3)[2 * i + 1] = n.y;
@@ -532,11 +477,8 @@ fn colours_that_are_no_numbers_are_told_and_replaced() {
         render.color.g.row_mut(4)[1..9].copy_from_slice(&hostile);
         render.alpha.as_mut().unwrap().row_mut(4)[..3].copy_from_slice(&[nan, inf, -1.0]);
         let loaded = render.through_a_file(stored);
-        assert!(
-            loaded.warnings.iter().any(|w| w.starts_with("8 colour")),
-            "{:?}",
-            loaded.warnings
-        );
+        let is_told = loaded.warnings.iter().any(|w| w.starts_with("8 colour"));
+        assert!(is_told, "{:?}", loaded.warnings);
         let red = &loaded.frame.color.as_ref().unwrap().r;
         assert_eq!(red.row(4)[..5], [0.0, 65504.0, -65504.0, -3.0, 50.0]);
         assert_clean(&loaded.frame, &format!("colours, {stored:?}"));
@@ -565,13 +507,9 @@ fn noise_of_normals_is_told() {
         let [x, y] = [&x, &y].map(|plane| plane.map(|value| share * value));
         let [z, grey] = [0.99, 0.5].map(|value| Plane::filled(192, 192, value));
         let normal = [("N.x", &x), ("N.y", &y), ("N.z", &z)];
-        let layers = [("R", &grey), ("G", &grey), ("B", &grey)]
-            .into_iter()
-            .chain(normal);
-        let warnings = through_a_file(&layers.collect::<Vec<_>>(), Stored::Float).warnings;
-        let told = warnings
-            .iter()
-            .any(|warning| warning.contains("noise of 0.0"));
+        let layers = [normal, [("R", &grey), ("G", &grey), ("B", &grey)]].concat();
+        let warnings = through_a_file(&layers, Stored::Float).warnings;
+        let told = warnings.iter().any(|text| text.contains("noise of 0.0"));
         assert_eq!(told, is_told, "{warnings:?}");
     }
 }

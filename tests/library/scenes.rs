@@ -1,5 +1,6 @@
 //! The scenes that other tests are measured against: what they say of slopes and curvature, by differences and closed forms.
 
+use crate::common::places;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use relievo::frame::Projection;
 use relievo::scenes::exact::{Exact, ExactScene, ball_trace, five_point};
@@ -16,42 +17,35 @@ fn orthographic(surface: Surface) -> ExactScene {
 
 fn every_scene() -> Vec<(&'static str, ExactScene)> {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
-    let flat = vec![
-        (
-            "plane",
-            orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8))),
-        ),
-        ("ball", orthographic(Surface::ball(40.0))),
-        (
-            "ellipsoid",
-            orthographic(Surface::ellipsoid(DVec3::new(44.0, 22.0, 33.0), turn)),
-        ),
+    let axes = DVec3::new(44.0, 22.0, 33.0);
+    let flat = [
+        ("plane", Surface::plane(DVec3::new(0.5, -0.3, 0.8))),
+        ("ball", Surface::ball(40.0)),
+        ("ellipsoid", Surface::ellipsoid(axes, turn)),
         (
             "torus",
-            orthographic(Surface::torus(30.0, 12.0, DVec3::new(0.3, 0.5, 0.8))),
+            Surface::torus(30.0, 12.0, DVec3::new(0.3, 0.5, 0.8)),
         ),
-        (
-            "upright cylinder",
-            orthographic(Surface::cylinder(35.0, DVec3::Y)),
-        ),
+        ("upright cylinder", Surface::cylinder(35.0, DVec3::Y)),
         (
             "tilted cylinder",
-            orthographic(Surface::cylinder(25.0, DVec3::new(0.6, 0.5, 0.45))),
+            Surface::cylinder(25.0, DVec3::new(0.6, 0.5, 0.45)),
         ),
-        ("saddle", orthographic(Surface::saddle(0.02, -0.01, 0.4))),
+        ("saddle", Surface::saddle(0.02, -0.01, 0.4)),
+        ("sine relief", Surface::sine_relief(3.0, 24.0, 0.7)),
+    ];
+    let several = [
         ("box corner", ExactScene::box_corner(true, 0.3, CX, CY)),
         ("room corner", ExactScene::box_corner(false, 0.3, CX, CY)),
         ("two balls", ExactScene::two_balls(20.0, 30.0, CX, CY)),
-        (
-            "sine relief",
-            orthographic(Surface::sine_relief(3.0, 24.0, 0.7)),
-        ),
     ];
-    let deep: Vec<_> = flat
-        .iter()
-        .filter(|(name, _)| *name != "saddle")
-        .map(|(name, scene)| (*name, scene.clone().in_perspective()))
-        .collect();
+    let flat = flat.map(|(name, surface)| (name, orthographic(surface)));
+    let flat: Vec<_> = flat.into_iter().chain(several).collect();
+    let deep = flat
+        .clone()
+        .into_iter()
+        .filter(|(name, _)| *name != "saddle");
+    let deep = deep.map(|(name, scene)| (name, scene.in_perspective()));
     flat.into_iter().chain(deep).collect()
 }
 
@@ -72,11 +66,10 @@ fn at_scattered_positions(check: impl Fn(&str, &ExactScene, DVec2, Exact)) {
             };
             let to_eye = scene.projection.to_eye(at.x, at.y).extend(1.0);
             let corners = [(-0.1, -0.1), (0.1, -0.1), (-0.1, 0.1), (0.1, 0.1)];
-            let whole = corners.into_iter().all(|(x, y)| {
-                scene.exact_at(at.x + x, at.y + y).is_some_and(|e| {
-                    e.surface == exact.surface && (e.depth - exact.depth).abs() < 2.0
-                })
-            });
+            let is_near =
+                |e: Exact| e.surface == exact.surface && (e.depth - exact.depth).abs() < 2.0;
+            let seen = corners.map(|(x, y)| scene.exact_at(at.x + x, at.y + y));
+            let whole = seen.into_iter().all(|seen| seen.is_some_and(is_near));
             if whole && exact.normal.dot(to_eye.normalize()) > 0.2 {
                 check(&name, &scene, at, exact);
                 checked += 1;
@@ -90,10 +83,8 @@ fn at_scattered_positions(check: impl Fn(&str, &ExactScene, DVec2, Exact)) {
 #[track_caller]
 fn assert_near(found: f64, expected: f64, scale: f64, tolerance: f64, what: &str) {
     let error = (found - expected).abs() / scale;
-    assert!(
-        error <= tolerance,
-        "{what}: {found} is not {expected} (off by {error:.1e})"
-    );
+    let off = format!("off by {error:.1e}");
+    assert!(error <= tolerance, "{what}: {found}, not {expected}: {off}");
 }
 
 #[test]
@@ -103,10 +94,8 @@ fn points_lie_on_their_surface_and_project_to_their_pixel() {
         let distance = surface.value(exact.point) / surface.derivatives(exact.point).0.length();
         assert!(distance.abs() < 1e-9, "{name}: {distance} off the surface");
         assert_eq!(exact.depth, -exact.point.z, "{name}");
-        let back = scene
-            .projection
-            .pixel_of(exact.point)
-            .expect("in front of the eye");
+        let back = scene.projection.pixel_of(exact.point);
+        let back = back.expect("in front of the eye");
         assert!(back.distance(at) < 1e-9, "{name}: {at} came back as {back}");
     });
 }
@@ -115,15 +104,11 @@ fn points_lie_on_their_surface_and_project_to_their_pixel() {
 fn gradient_is_that_of_the_height() {
     at_scattered_positions(|name, scene, at, exact| {
         let height = |x: f64, y: f64| Some(DVec2::splat(scene.exact_at(x, y)?.height));
-        let across = five_point(|t| height(at.x + t, at.y))
-            .expect("no edge here")
-            .x;
-        let up = five_point(|t| height(at.x, at.y - t))
-            .expect("no edge here")
-            .x;
+        let across = five_point(|t| height(at.x + t, at.y)).expect("no edge here");
+        let up = five_point(|t| height(at.x, at.y - t)).expect("no edge here");
         let scale = exact.gradient.length().max(1.0);
-        assert_near(across, exact.gradient.x, scale, 1e-6, name);
-        assert_near(up, exact.gradient.y, scale, 1e-6, name);
+        assert_near(across.x, exact.gradient.x, scale, 1e-6, name);
+        assert_near(up.x, exact.gradient.y, scale, 1e-6, name);
     });
 }
 
@@ -135,12 +120,13 @@ fn hessian_is_that_of_the_height() {
         let up = five_point(|t| gradient(at.x, at.y - t)).expect("no edge here");
         let h = exact.hessian;
         let scale = h.xx.abs().max(h.yy.abs()).max(h.xy.abs()).max(1e-3);
-        for (found, expected) in [
+        let pairs = [
             (across.x, h.xx),
             (across.y, h.xy),
             (up.x, h.xy),
             (up.y, h.yy),
-        ] {
+        ];
+        for (found, expected) in pairs {
             assert_near(found, expected, scale, 1e-6, name);
         }
     });
@@ -154,9 +140,8 @@ fn divergence_of_the_normal_is_the_object_curvature() {
         if matches!(scene.projection, Projection::Perspective { .. }) {
             return;
         }
-        let [xx, _, _, yy] = scene
-            .depth_gradient_jacobian(at.x, at.y, 0.0)
-            .expect("no edge here");
+        let jacobian = scene.depth_gradient_jacobian(at.x, at.y, 0.0);
+        let [xx, _, _, yy] = jacobian.expect("no edge here");
         let object = exact.object_curvatures;
         let scale = object.k_u.abs().max(object.k_v.abs()).max(1e-3);
         assert_near(xx + yy, object.k_u + object.k_v, scale, 1e-6, name);
@@ -166,23 +151,14 @@ fn divergence_of_the_normal_is_the_object_curvature() {
 /// Right of the axis and above it the normal points right and up: rows run down, y does not.
 #[test]
 fn rows_run_down_and_y_runs_up() {
-    for scene in [
-        orthographic(Surface::ball(40.0)),
-        orthographic(Surface::ball(40.0)).in_perspective(),
-    ] {
+    let flat = orthographic(Surface::ball(40.0));
+    for scene in [flat.clone(), flat.in_perspective()] {
         let seen = scene
             .exact_at(CX + 12.0, CY - 9.0)
             .expect("inside the outline");
-        assert!(
-            seen.normal.x > 0.2 && seen.normal.y > 0.15,
-            "{}",
-            seen.normal
-        );
-        assert!(
-            seen.gradient.x < 0.0 && seen.gradient.y < 0.0,
-            "{}",
-            seen.gradient
-        );
+        let (n, g) = (seen.normal, seen.gradient);
+        assert!(n.x > 0.2 && n.y > 0.15, "{n}");
+        assert!(g.x < 0.0 && g.y < 0.0, "{g}");
     }
 }
 
@@ -194,10 +170,7 @@ fn torus_curvature() {
     let scene = orthographic(Surface::torus(ring, tube, axis));
     let center = DVec3::new(0.0, 0.0, -Surface::DISTANCE);
     let (mut checked, mut saddles) = (0, 0);
-    for (x, y) in (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE)) {
-        let Some(seen) = scene.exact(x, y) else {
-            continue;
-        };
+    for seen in places(SIDE, SIDE).filter_map(|(x, y)| scene.exact(x, y)) {
         let q = seen.point - center;
         let outward = (q - q.dot(axis) * axis).normalize();
         let cos = seen.normal.dot(outward);
@@ -209,10 +182,8 @@ fn torus_curvature() {
         checked += 1;
         saddles += usize::from(object.k_u > 0.0);
     }
-    assert!(
-        checked > 1500 && saddles > 500,
-        "{checked} seen, {saddles} of them saddles"
-    );
+    let are_enough = checked > 1500 && saddles > 500;
+    assert!(are_enough, "{checked} seen, {saddles} of them saddles");
 }
 
 #[test]
@@ -223,20 +194,20 @@ fn foreshortened_ball_has_the_trace_in_closed_form() {
         let aside = radius * f64::sqrt(1.0 - n_z * n_z);
         let way = DVec2::from_angle(0.6) * aside;
         for f in [0.0, 0.4, 1.0, 2.0] {
-            let [xx, _, _, yy] = scene
-                .depth_gradient_jacobian(CX + way.x, CY - way.y, f)
-                .expect("inside the outline");
+            let jacobian = scene.depth_gradient_jacobian(CX + way.x, CY - way.y, f);
+            let [xx, _, _, yy] = jacobian.expect("inside the outline");
             let expected = ball_trace(radius, n_z, f);
             assert_near(xx + yy, expected, expected.abs(), 1e-6, "trace");
         }
     }
     // Printed values: 130/R at n_z = 0.2 and 1010/R at 0.1, for f = 1.
-    assert_near(ball_trace(1.0, 0.2, 1.0), -130.0, 130.0, 1e-12, "n_z = 0.2");
-    assert_near(
-        ball_trace(1.0, 0.1, 1.0),
-        -1010.0,
-        1010.0,
-        1e-12,
-        "n_z = 0.1",
-    );
+    for (n_z, printed) in [(0.2, 130.0), (0.1, 1010.0)] {
+        assert_near(
+            ball_trace(1.0, n_z, 1.0),
+            -printed,
+            printed,
+            1e-12,
+            "printed",
+        );
+    }
 }

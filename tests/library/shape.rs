@@ -1,19 +1,13 @@
 //! The shape descriptor against scenes whose normals, depth and derivatives are known exactly.
 
-use crate::common::cpu;
+use crate::common::cpu::described;
+use crate::common::{apart, default_but, mean, places};
 use glam::{DMat3, DQuat, DVec3};
-use relievo::engine::Outcome;
-use relievo::frame::{Frame, Plane};
-use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
+use relievo::frame::{Frame, Plane, Vector2Planes};
+use relievo::params::{Scale, ScalingParams, ShapeParams, SoftThreshold, Solver};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::{ExactScene, Surface, ball_trace};
-
-/// The whole descriptor of `frame`.
-fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).unwrap();
-    cpu::run(&plan, frame).unwrap()
-}
+use relievo::scenes::{Exact, ExactScene, Surface, ball_trace};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The surface itself: no diffusion, the viewer's height field.
 fn exact_settings(foreshortening: f32) -> ShapeParams {
@@ -26,15 +20,11 @@ fn exact_settings(foreshortening: f32) -> ShapeParams {
 
 /// Whether conductance is 1 in the 3x3 pixels around (`x`, `y`).
 fn in_the_open(conductance: &Plane, x: usize, y: usize) -> bool {
-    let (w, h) = (conductance.width(), conductance.height());
-    x > 0
-        && y > 0
-        && x + 1 < w
-        && y + 1 < h
-        && conductance
-            .rows_within(x - 1..x + 2, y - 1..y + 2)
-            .flatten()
-            .all(|&c| c == 1.0)
+    let is_inside = |at: usize, size: usize| (1..size - 1).contains(&at);
+    let around = || conductance.rows_within(x - 1..x + 2, y - 1..y + 2);
+    is_inside(x, conductance.width())
+        && is_inside(y, conductance.height())
+        && around().flatten().all(|&c| c == 1.0)
 }
 
 /// Root mean square of the relative error of the Hessian's trace on the inner 60 % of a ball.
@@ -45,15 +35,13 @@ fn ball_error(radius: f64) -> f64 {
     let outcome = described(&scene.frame(side, side), exact_settings(1.0));
     let hessian = outcome.shape.hessian.unwrap();
     let (mut sum, mut count) = (0.0, 0);
-    for y in 0..side {
-        for x in 0..side {
-            let from_centre = (x as f64 + 0.5 - centre).hypot(y as f64 + 0.5 - centre);
-            if from_centre < 0.6 * radius {
-                let exact = scene.exact(x, y).unwrap().hessian.trace();
-                let found = f64::from(hessian.xx.at(x, y) + hessian.yy.at(x, y));
-                sum += (found / exact - 1.0).powi(2);
-                count += 1;
-            }
+    for (x, y) in places(side, side) {
+        let from_centre = (x as f64 + 0.5 - centre).hypot(y as f64 + 0.5 - centre);
+        if from_centre < 0.6 * radius {
+            let exact = scene.exact(x, y).unwrap().hessian.trace();
+            let found = f64::from(hessian.xx.at(x, y) + hessian.yy.at(x, y));
+            sum += (found / exact - 1.0).powi(2);
+            count += 1;
         }
     }
     (sum / f64::from(count)).sqrt()
@@ -77,17 +65,15 @@ fn without_foreshortening_a_ball_has_the_trace_of_its_radius() {
     let mean = outcome.shape.curvatures.unwrap().mean;
     let conductance = outcome.shape.conductance.unwrap();
     let mut tested = 0;
-    for (x, y) in pixels(480) {
+    for (x, y) in places(480, 480) {
         if in_the_open(&conductance, x, y) {
             let error = 2.0 * mean.at(x, y) * 200.0 / -2.0 - 1.0;
             assert!(error.abs() < 1e-4, "relative error {error} at ({x}, {y})");
             tested += 1;
         }
     }
-    assert!(
-        tested > 110_000,
-        "only {tested} of 125,664 pixels lie in the open"
-    );
+    // Of 125,664 pixels.
+    assert!(tested > 110_000, "only {tested} pixels lie in the open");
 }
 
 #[test]
@@ -104,10 +90,8 @@ fn foreshortening_steepens_a_ball_as_its_closed_form_says() {
             let found = f64::from(2.0 * mean.at(x, 240));
             // Truncation is (1/R)^2 times a fourth derivative that grows toward the rim.
             let tolerance = 2.0 / (radius * radius * n_z.powi(4));
-            assert!(
-                (found / expected - 1.0).abs() < tolerance,
-                "f {f}, n_z {n_z}"
-            );
+            let error = (found / expected - 1.0).abs();
+            assert!(error < tolerance, "f {f}, n_z {n_z}");
         }
     }
 }
@@ -115,40 +99,26 @@ fn foreshortening_steepens_a_ball_as_its_closed_form_says() {
 fn scenes() -> Vec<(&'static str, ExactScene)> {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
     let at = |surface| ExactScene::orthographic(surface, 128.3, 127.6);
+    let axes = DVec3::new(120.0, 70.0, 90.0);
+    #[rustfmt::skip]
     let flat = vec![
         ("plane", at(Surface::plane(DVec3::new(0.5, -0.3, 0.8)))),
         ("ball", at(Surface::ball(110.0))),
-        (
-            "ellipsoid",
-            at(Surface::ellipsoid(DVec3::new(120.0, 70.0, 90.0), turn)),
-        ),
-        (
-            "torus",
-            at(Surface::torus(80.0, 35.0, DVec3::new(0.3, 0.5, 0.8))),
-        ),
+        ("ellipsoid", at(Surface::ellipsoid(axes, turn))),
+        ("torus", at(Surface::torus(80.0, 35.0, DVec3::new(0.3, 0.5, 0.8)))),
         ("upright cylinder", at(Surface::cylinder(100.0, DVec3::Y))),
-        (
-            "tilted cylinder",
-            at(Surface::cylinder(80.0, DVec3::new(0.6, 0.5, 0.45))),
-        ),
+        ("tilted cylinder", at(Surface::cylinder(80.0, DVec3::new(0.6, 0.5, 0.45)))),
         ("saddle", at(Surface::saddle(0.006, -0.003, 0.4))),
-        (
-            "box corner",
-            ExactScene::box_corner(true, 0.3, 128.3, 127.6),
-        ),
+        ("box corner", ExactScene::box_corner(true, 0.3, 128.3, 127.6)),
         ("two balls", ExactScene::two_balls(55.0, 80.0, 128.3, 127.6)),
         ("sine relief", at(Surface::sine_relief(6.0, 80.0, 0.7))),
     ];
-    let deep: Vec<_> = flat
-        .iter()
-        .filter(|(name, _)| *name != "saddle")
-        .map(|(name, scene)| (*name, scene.clone().in_perspective()))
-        .collect();
+    let deep = flat
+        .clone()
+        .into_iter()
+        .filter(|(name, _)| *name != "saddle");
+    let deep = deep.map(|(name, scene)| (name, scene.in_perspective()));
     flat.into_iter().chain(deep).collect()
-}
-
-fn pixels(side: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..side).flat_map(move |y| (0..side).map(move |x| (x, y)))
 }
 
 #[test]
@@ -161,7 +131,7 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
         let direction = shape.direction_view.as_ref().unwrap();
         let conductance = shape.conductance.as_ref().unwrap();
         let (mut tested, mut turned) = (0, 0);
-        for (x, y) in pixels(256).filter(|&(x, y)| in_the_open(conductance, x, y)) {
+        for (x, y) in places(256, 256).filter(|&(x, y)| in_the_open(conductance, x, y)) {
             let exact = scene.exact(x, y).unwrap();
             // An arc of radius R has f'' = 1 / (R n_z^3), and the central difference of f' is off by
             // f''''/6 = (5 - 4 n_z^2) / (2 R^3 n_z^7), at most 0.78 f''^3; Sobel's smoothing adds to it.
@@ -179,29 +149,23 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
                 (curvatures.v.at(x, y), exact.hessian.principal().k_v),
             ];
             for (found, expected) in pairs {
-                let error = f64::from(found) - expected;
-                assert!(
-                    error.abs() < tolerance,
-                    "{name} at ({x}, {y}): {found}, not {expected}"
-                );
+                let is_near = (f64::from(found) - expected).abs() < tolerance;
+                assert!(is_near, "{name} at ({x}, {y}): {found}, not {expected}");
             }
             tested += 1;
             turned += usize::from(check_direction(name, &exact, direction, x, y));
         }
         assert!(tested > 1000, "{name}: only {tested} pixels tested");
         let umbilic = ["plane", "ball", "box corner", "two balls"].contains(&name);
-        assert!(
-            umbilic || turned > 500,
-            "{name}: only {turned} directions tested"
-        );
+        assert!(umbilic || turned > 500, "{name}: only {turned} directions");
     }
 }
 
 /// Compares the direction of the larger curvature where the two differ clearly.
 fn check_direction(
     name: &str,
-    exact: &relievo::scenes::Exact,
-    direction: &relievo::frame::Vector2Planes,
+    exact: &Exact,
+    direction: &Vector2Planes,
     x: usize,
     y: usize,
 ) -> bool {
@@ -210,21 +174,11 @@ fn check_direction(
     if u.max(v) < 1e-3 || (u - v).abs() < 0.3 * u.max(v) {
         return false;
     }
-    let across = if u > v {
-        0.0
-    } else {
-        std::f64::consts::FRAC_PI_2
-    };
+    let across = if u > v { 0.0 } else { FRAC_PI_2 };
     let (s, c) = (principal.angle + across).sin_cos();
-    let found = (
-        f64::from(direction.x.at(x, y)),
-        f64::from(direction.y.at(x, y)),
-    );
-    let sine = (c * found.1 - s * found.0).abs();
-    assert!(
-        sine.asin().to_degrees() < 0.6,
-        "{name} at ({x}, {y}): {found:?}, not ({c}, {s})"
-    );
+    let found = [&direction.x, &direction.y].map(|plane| f64::from(plane.at(x, y)));
+    let off = (c * found[1] - s * found[0]).abs().asin().to_degrees();
+    assert!(off < 0.6, "{name} at ({x}, {y}): {found:?}, not ({c}, {s})");
     true
 }
 
@@ -236,7 +190,7 @@ fn without_foreshortening_the_mean_is_that_of_the_object() {
         let mean = outcome.shape.curvatures.unwrap().mean;
         let conductance = outcome.shape.conductance.unwrap();
         let mut tested = 0;
-        for (x, y) in pixels(256).filter(|&(x, y)| in_the_open(&conductance, x, y)) {
+        for (x, y) in places(256, 256).filter(|&(x, y)| in_the_open(&conductance, x, y)) {
             let exact = scene.exact(x, y).unwrap();
             if exact.normal.z < 0.5 {
                 continue;
@@ -244,10 +198,8 @@ fn without_foreshortening_the_mean_is_that_of_the_object() {
             let expected = exact.object_curvatures.k_u + exact.object_curvatures.k_v;
             let found = f64::from(2.0 * mean.at(x, y));
             let tolerance = 1e-5 + 0.01 * expected.abs();
-            assert!(
-                (found - expected).abs() < tolerance,
-                "{name}: {found}, not {expected}"
-            );
+            let is_near = (found - expected).abs() < tolerance;
+            assert!(is_near, "{name}: {found}, not {expected}");
             tested += 1;
         }
         assert!(tested > 1000, "{name}: only {tested} pixels tested");
@@ -259,16 +211,12 @@ fn edges_are_where_the_scene_has_them() {
     let balls = ExactScene::two_balls(55.0, 80.0, 128.3, 127.6);
     let outcome = described(&balls.frame(256, 256), exact_settings(1.0));
     let silhouette = outcome.shape.silhouette.unwrap();
-    for (x, y) in pixels(255).filter(|&(x, y)| x > 0 && y > 0) {
+    for (x, y) in places(255, 255).filter(|&(x, y)| x > 0 && y > 0) {
         let surface = |x, y| balls.exact(x, y).map(|exact| exact.surface);
         let here = surface(x, y);
         let border = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
         if here.is_some() && border.iter().any(|&(x, y)| surface(x, y).is_none()) {
-            assert_eq!(
-                silhouette.at(x, y),
-                1.0,
-                "the border of coverage at ({x}, {y})"
-            );
+            assert_eq!(silhouette.at(x, y), 1.0, "the border at ({x}, {y})");
         }
     }
 }
@@ -279,7 +227,7 @@ fn creases_are_where_faces_meet() {
     let outcome = described(&corner.frame(256, 256), exact_settings(1.0));
     let crease = outcome.shape.crease.unwrap();
     let mut on_edges = 0;
-    for (x, y) in pixels(255).filter(|&(x, y)| x > 0 && y > 0) {
+    for (x, y) in places(255, 255).filter(|&(x, y)| x > 0 && y > 0) {
         let cross = [(x, y), (x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
         let faces = cross.map(|(x, y)| corner.exact(x, y).unwrap().normal);
         // The faces of a box meet at 90 degrees.
@@ -288,6 +236,14 @@ fn creases_are_where_faces_meet() {
         on_edges += usize::from(meet);
     }
     assert!(on_edges > 300, "only {on_edges} pixels on edges");
+}
+
+/// The same, solved so.
+fn solved(solver: Solver, iterations: u32) -> ShapeParams {
+    ShapeParams {
+        solver,
+        ..diffusing(iterations)
+    }
 }
 
 /// A frame without depth whose normals are those of the slopes `gradient(x, y)` and whose occlusion
@@ -299,7 +255,7 @@ fn sloping(
 ) -> Frame {
     let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 0.0, 0.0);
     let mut frame = plane.frame(side, side);
-    for (x, y) in pixels(side) {
+    for (x, y) in places(side, side) {
         let [gx, gy] = gradient(x, y);
         let n = DVec3::new(-gx, -gy, 1.0).normalize().as_vec3();
         frame.normal.x.row_mut(y)[x] = n.x;
@@ -313,12 +269,9 @@ fn sloping(
 
 /// Settings under which only the occlusion map makes edges, and the gradient is that of `sloping`.
 fn diffusing(iterations: u32) -> ShapeParams {
-    let never = relievo::params::SoftThreshold {
-        lo: 179.0,
-        hi: 180.0,
-    };
+    let (lo, hi) = (179.0, 180.0);
     ShapeParams {
-        crease: never,
+        crease: SoftThreshold { lo, hi },
         scale: Scale::Iterations(iterations),
         ..exact_settings(1.0)
     }
@@ -331,44 +284,25 @@ fn nothing_leaks_through_a_closed_silhouette() {
     let from_centre = |x: usize, y: usize| (x as f64 - 32.0).hypot(y as f64 - 32.0);
     let scene = |inside: f64, solver| {
         let wave = |x: usize, y: usize| 0.3 * ((x + 2 * y) as f64 * 0.4).sin();
-        let slope = move |x, y| {
-            if from_centre(x, y) < 20.0 {
-                inside
-            } else {
-                wave(x, y)
-            }
-        };
-        let disc = |x, y| if from_centre(x, y) < 20.0 { 0.0 } else { 1.0 };
-        described(
-            &sloping(64, |x, y| [slope(x, y), -slope(x, y)], disc),
-            ShapeParams {
-                solver,
-                ..diffusing(500)
-            },
-        )
+        let is_inside = |x, y| from_centre(x, y) < 20.0;
+        let slope = |x, y| if is_inside(x, y) { inside } else { wave(x, y) };
+        let disc = |x, y| if is_inside(x, y) { 0.0 } else { 1.0 };
+        let frame = sloping(64, |x, y| [slope(x, y), -slope(x, y)], disc);
+        described(&frame, solved(solver, 500))
+            .shape
+            .gradient
+            .unwrap()
     };
     for solver in [Solver::Explicit, Solver::Chebyshev] {
-        let (one, other) = (scene(0.0, solver), scene(0.8, solver));
-        let [one, other] = [one, other].map(|outcome| outcome.shape.gradient.unwrap());
+        let [one, other] = [0.0, 0.8].map(|inside| scene(inside, solver));
         let mut outside = 0;
-        for (x, y) in pixels(64).filter(|&(x, y)| from_centre(x, y) >= 20.0) {
-            assert_eq!(
-                one.x.at(x, y).to_bits(),
-                other.x.at(x, y).to_bits(),
-                "x at ({x}, {y})"
-            );
-            assert_eq!(
-                one.y.at(x, y).to_bits(),
-                other.y.at(x, y).to_bits(),
-                "y at ({x}, {y})"
-            );
+        for (x, y) in places(64, 64).filter(|&(x, y)| from_centre(x, y) >= 20.0) {
+            let bits = |of: &Vector2Planes| [&of.x, &of.y].map(|plane| plane.at(x, y).to_bits());
+            assert_eq!(bits(&one), bits(&other), "at ({x}, {y})");
             outside += 1;
         }
         assert!(outside > 2000);
-        assert!(
-            one.x.at(32, 32) != other.x.at(32, 32),
-            "the inside did not change"
-        );
+        assert_ne!(one.x.at(32, 32), other.x.at(32, 32), "the inside");
     }
 }
 
@@ -380,35 +314,21 @@ fn diffusion_keeps_the_mean() {
     };
     let ramp = |x: usize, y: usize| ((x / 7 + y / 5) % 3) as f32 / 2.0;
     let frame = sloping(96, |x, y| [noise(x, y), noise(y, x)], ramp);
-    let mean = |iterations, solver| {
-        let settings = ShapeParams {
-            solver,
-            ..diffusing(iterations)
-        };
-        let gradient = described(&frame, settings).shape.gradient.unwrap();
-        gradient
-            .x
-            .samples()
-            .iter()
-            .copied()
-            .map(f64::from)
-            .sum::<f64>()
-            / (96.0 * 96.0)
+    let mean_of = |iterations, solver| {
+        let outcome = described(&frame, solved(solver, iterations));
+        mean(&outcome.shape.gradient.unwrap().x)
     };
     for solver in [Solver::Explicit, Solver::Chebyshev] {
-        let (before, after) = (mean(0, solver), mean(200, solver));
+        let (before, after) = (mean_of(0, solver), mean_of(200, solver));
         let change = (after / before - 1.0).abs();
-        assert!(
-            change < 1e-6,
-            "{solver:?}: the mean went from {before} to {after}"
-        );
+        assert!(change < 1e-6, "{solver:?}: from {before} to {after}");
     }
 }
 
 /// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann borders, of eigenvalue
 /// -2 (1 - cos k). Returns the deviation of a diffused one from `decay` of itself.
 fn wave_error(settings: ShapeParams, decay: impl Fn(f64) -> f64) -> f64 {
-    let k = 2.0 * std::f64::consts::PI / 32.0;
+    let k = TAU / 32.0;
     let wave = |x: usize| 0.5 * (k * (x as f64 + 0.5)).cos();
     let outcome = described(&sloping(64, |x, _| [wave(x), 0.0], |_, _| 1.0), settings);
     let gradient = outcome.shape.gradient.unwrap();
@@ -420,10 +340,7 @@ fn wave_error(settings: ShapeParams, decay: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn an_open_wave_decays_at_its_own_rate() {
     // Each step multiplies by 1 + dt times the eigenvalue.
-    let stepped = ShapeParams {
-        solver: Solver::Explicit,
-        ..diffusing(50)
-    };
+    let stepped = solved(Solver::Explicit, 50);
     assert!(wave_error(stepped, |eigenvalue| (1.0 + 0.2 * eigenvalue).powi(50)) < 2e-6);
     // A time t = sigma^2 / 2 multiplies by e to the t times the eigenvalue.
     for sigma in [1.0_f32, 3.16, 10.0, 28.0, 100.0] {
@@ -457,13 +374,9 @@ fn the_expansion_stays_within_its_tolerance_of_the_steps() {
                     ..wide(count)
                 };
                 let found = described(&frame, expanded).shape.gradient.unwrap();
-                let pairs = found.x.samples().iter().zip(steps.x.samples());
-                let error = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
+                let error = apart(&found.x, &steps.x);
                 // Rounding of slopes up to 20 in the recurrence adds to the tolerance.
-                assert!(
-                    error < tolerance + 1e-4,
-                    "{count} steps, {tolerance}: off by {error}"
-                );
+                assert!(error < tolerance + 1e-4, "{count}, {tolerance}: {error}");
             }
         }
     }
@@ -479,28 +392,20 @@ fn wide(count: u32) -> ShapeParams {
 
 #[test]
 fn unstable_steps_are_refused() {
-    for time_step in [0.26, 1.0, 0.0, -0.1, f32::NAN] {
-        let shape = ShapeParams {
-            time_step,
-            ..ShapeParams::default()
-        };
-        let available = Available {
-            depth: true,
-            image_height: 1080,
-            ..Available::default()
-        };
-        assert!(Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).is_err());
+    let is_refused = |shape: ShapeParams| {
+        let mut available = Available::default();
+        (available.depth, available.image_height) = (true, 1080);
+        Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).is_err()
+    };
+    for step in [0.26, 1.0, 0.0, -0.1, f32::NAN] {
+        assert!(is_refused(default_but(|shape: &mut ShapeParams| shape
+            .time_step =
+            step)));
     }
-    for scale in [-1.0, f32::NAN, f32::INFINITY, 1e6] {
-        let shape = ShapeParams {
-            scale: Scale::Sigma(scale),
-            ..ShapeParams::default()
-        };
-        let available = Available {
-            depth: true,
-            image_height: 1080,
-            ..Available::default()
-        };
-        assert!(Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).is_err());
+    for sigma in [-1.0, f32::NAN, f32::INFINITY, 1e6] {
+        let scale = Scale::Sigma(sigma);
+        assert!(is_refused(default_but(|shape: &mut ShapeParams| shape
+            .scale =
+            scale)));
     }
 }

@@ -1,18 +1,15 @@
 //! Silhouettes: gaps between surfaces, and nothing else.
 
-use crate::common::cpu;
+use crate::common::{cpu, places};
 use glam::{DAffine3, DVec3};
 use relievo::frame::{Camera, Frame, Mask, Plane, Projection, Vector3Planes};
-use relievo::params::{ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::params::ShapeParams;
 
 const SIDE: usize = 200;
 
 /// The weights drawn in a frame, and its conductance.
 fn silhouettes(frame: &Frame) -> [Plane; 2] {
-    let (available, shape) = (Available::in_frame(frame), ShapeParams::default());
-    let plan = Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).unwrap();
-    let shape = cpu::run(&plan, frame).unwrap().shape;
+    let shape = cpu::described(frame, ShapeParams::default()).shape;
     [shape.silhouette.unwrap(), shape.conductance.unwrap()]
 }
 
@@ -30,24 +27,16 @@ fn frame(projection: Option<Projection>, at: impl Fn(f64, f64) -> (DVec3, f64)) 
     frame
 }
 
+const CENTER: f64 = SIDE as f64 / 2.0;
+
 fn perspective(focal: f64) -> Projection {
-    let center = SIDE as f64 / 2.0;
-    Projection::Perspective {
-        fx: focal,
-        fy: focal,
-        cx: center,
-        cy: center,
-    }
+    let (fx, fy, cx, cy) = (focal, focal, CENTER, CENTER);
+    Projection::Perspective { fx, fy, cx, cy }
 }
 
 fn parallel(scale: f64) -> Projection {
-    let center = SIDE as f64 / 2.0;
-    Projection::Orthographic {
-        sx: scale,
-        sy: scale,
-        cx: center,
-        cy: center,
-    }
+    let (sx, sy, cx, cy) = (scale, scale, CENTER, CENTER);
+    Projection::Orthographic { sx, sy, cx, cy }
 }
 
 /// A ball of radius 60 at the middle, at `distance`, before a wall 40 behind it: in pixels at the ball.
@@ -57,7 +46,7 @@ fn ball(projection: Projection, distance: f64) -> Frame {
         let (start, line) = match projection {
             Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(-eye.x, -eye.y, -1.0)),
             Projection::Orthographic { .. } => {
-                (DVec3::new(x - 100.0, 100.0 - y, 0.0), DVec3::NEG_Z)
+                (DVec3::new(x - CENTER, CENTER - y, 0.0), DVec3::NEG_Z)
             }
         };
         let to = start - DVec3::new(0.0, 0.0, -distance);
@@ -83,18 +72,13 @@ fn a_floor_has_none_however_grazing_and_bumpy() {
             let (sine, cosine) = (0.9 * x + 0.7 * y).sin_cos();
             // 11 degrees from upright.
             let normal = upright + 0.2 * (sine * DVec3::X + cosine * ahead);
-            (
-                normal.normalize(),
-                if below > 1e-6 { 1.0 / below } else { 0.0 },
-            )
+            let depth = if below > 1e-6 { 1.0 / below } else { 0.0 };
+            (normal.normalize(), depth)
         })
     };
     // An unknown lens is taken for one of 250 pixels here.
-    for (focal, projection) in [
-        (250.0, Some(perspective(250.0))),
-        (250.0, None),
-        (325.0, None),
-    ] {
+    let known = Some(perspective(250.0));
+    for (focal, projection) in [(250.0, known), (250.0, None), (325.0, None)] {
         let [weights, _] = silhouettes(&floor(focal, projection));
         for y in 22..SIDE - 1 {
             let row = &weights.row(y)[1..SIDE - 1];
@@ -112,25 +96,18 @@ fn a_ball_before_a_wall_has_its_outline_at_any_distance_in_one_pixel() {
             let is_wall = |x: usize, y: usize| f64::from(depth.at(x, y)) > distance + 99.0;
             let [weights, conductance] = silhouettes(&frame);
             let (mut outline, mut drawn) = (0, 0);
-            for (y, x) in (1..SIDE - 1).flat_map(|y| (1..SIDE - 1).map(move |x| (y, x))) {
+            for (x, y) in places(SIDE - 2, SIDE - 2).map(|(x, y)| (x + 1, y + 1)) {
                 let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
                 let differs = beside.iter().any(|&(i, j)| is_wall(i, j) != is_wall(x, y));
                 let is_front = differs && !is_wall(x, y);
-                assert!(
-                    !is_front || weights.at(x, y) == 1.0,
-                    "{projection:?} at {x}, {y}"
-                );
-                assert!(
-                    !differs || conductance.at(x, y) == 0.0,
-                    "{projection:?} at {x}, {y}"
-                );
+                let is_drawn = !is_front || weights.at(x, y) == 1.0;
+                let is_cut = !differs || conductance.at(x, y) == 0.0;
+                assert!(is_drawn && is_cut, "{projection:?} at {x}, {y}");
                 outline += usize::from(is_front);
                 drawn += usize::from(weights.at(x, y) > 0.0);
             }
-            assert!(
-                outline > 300 && drawn == outline,
-                "{projection:?}: {drawn} of {outline}"
-            );
+            let is_whole = outline > 300 && drawn == outline;
+            assert!(is_whole, "{projection:?}: {drawn} of {outline}");
         }
     }
 }
@@ -144,29 +121,22 @@ fn mirrored_and_transposed_frames_have_the_same_to_the_bit() {
             let x = if sign < 0.0 { SIDE as f64 - x } else { x };
             let [x, y] = if swap { [y, x] } else { [x, y] };
             let (i, j) = (x as usize, y as usize);
-            let n = [normal.x.at(i, j), normal.y.at(i, j), normal.z.at(i, j)];
-            let [nx, ny, nz] = n.map(f64::from);
+            let [nx, ny, nz] = normal.at(i, j).to_array();
             let (nx, ny) = if swap { (-ny, -nx) } else { (nx, ny) };
             // Noise, which thresholds follow.
             let noise = f64::from((i * 7 + j * 13) as u32 % 11);
-            (
-                DVec3::new(sign * nx, ny, nz),
-                f64::from(depth.at(i, j)) + noise,
-            )
+            let depth = f64::from(depth.at(i, j)) + noise;
+            (DVec3::new(sign * nx, ny, nz), depth)
         })
     };
     for projection in [perspective(300.0), parallel(1.0)] {
         let of = |swap, sign| silhouettes(&at(projection, swap, sign));
         let own = of(false, 1.0);
-        assert!(
-            own[0]
-                .samples()
-                .iter()
-                .any(|&weight| weight > 0.0 && weight < 1.0)
-        );
+        let mut weights = own[0].samples().iter();
+        assert!(weights.any(|&weight| weight > 0.0 && weight < 1.0));
         let (mirrored, transposed) = (of(false, -1.0), of(true, 1.0));
         for k in 0..2 {
-            for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
+            for (x, y) in places(SIDE, SIDE) {
                 let here = own[k].at(x, y).to_bits();
                 assert_eq!(mirrored[k].at(SIDE - 1 - x, y).to_bits(), here, "{x}, {y}");
                 assert_eq!(transposed[k].at(y, x).to_bits(), here, "{x}, {y}");
@@ -185,11 +155,9 @@ fn rounding_of_depth_is_none() {
         (normal, half::f16::from_f64(depth).to_f64())
     });
     let drawn = |frame: &Frame| {
-        let inside = |y| silhouettes(frame)[0].row(y)[1..SIDE - 1].to_vec();
-        inside(100)
-            .into_iter()
-            .filter(|&weight| weight > 0.0)
-            .count()
+        let [weights, _] = silhouettes(frame);
+        let inside = weights.row(100)[1..SIDE - 1].iter();
+        inside.filter(|&&weight| weight > 0.0).count()
     };
     // Of an error of 2 in each depth, 4 cos 80 = 0.7 pixels are off the plane: below the least threshold. At ten times
     // the pixels per unit they are above.
@@ -204,15 +172,16 @@ fn thresholds_rise_by_the_noise_of_depth() {
         f64::from((hash.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as u32 % 1000) / 1000.0
     };
     let frame = frame(Some(parallel(1.0)), |x, y| {
-        (
-            DVec3::Z,
-            500.0 + if x < 100.0 { 0.0 } else { 10.0 * noise(x, y) },
-        )
+        let noise = if x < 100.0 { 0.0 } else { 10.0 * noise(x, y) };
+        (DVec3::Z, 500.0 + noise)
     });
     let [weights, _] = silhouettes(&frame);
     let marked = (1..SIDE - 1).flat_map(|y| weights.row(y)[120..SIDE - 1].to_vec());
-    let share =
-        marked.clone().filter(|&weight| weight > 0.0).count() as f64 / marked.count() as f64;
+    let [drawn, all] = [
+        marked.clone().filter(|&weight| weight > 0.0).count(),
+        marked.count(),
+    ];
+    let share = drawn as f64 / all as f64;
     // Two numbers up to 10 differ by more than d in (1 - d / 10)^2 of all pairs: by 1.6 pixels, where silhouettes begin, in
     // 70 %. Four times the noise, about 1.75 pixels, on top leave 2 % of two pairs to each pixel.
     assert!(share < 0.06, "{share}");

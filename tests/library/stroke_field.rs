@@ -1,39 +1,34 @@
 //! The field of stroke directions against surfaces whose directions are known exactly.
 
-use crate::common::{direction_at, in_8_bits, mirrored, quantile, quarter_turned, without_depth};
+use crate::common::files::load;
+use crate::common::program::fixture;
+use crate::common::{
+    covered, cpu, default_but, direction_at, in_8_bits, largest_turn_deg, mirrored, on_threads,
+    places, quantile, quarter_turned, without_depth,
+};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
 use relievo::engine::{Engine, Inputs};
 use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Vector3Planes, Window};
-use relievo::io::{self, Needs, inputs::Inputs as Files};
-use relievo::params::{
-    Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
-};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::params::{Fallback, FieldParams, LineParams, ShapeParams, StrokeDirections};
+use relievo::plan::Goal;
 use relievo::scenes::angle_deg;
 use relievo::scenes::{Exact, ExactScene, Surface};
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> Vec<Vector2Planes> {
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
-    let line = LineParams {
-        field: *params,
-        directions,
-        ..LineParams::default()
-    };
+    let plan = cpu::plan(Goal::Display, frame, ShapeParams::default()).unwrap();
+    let mut line = LineParams::default();
+    (line.field, line.directions) = (*params, directions);
     let found = Engine::cpu().stroke_fields(&plan, frame, Inputs::default(), &line);
     let found = found.unwrap();
-    for (x, y) in places(frame) {
+    for (x, y) in places(frame.mask.width(), frame.mask.height()) {
         for field in &found {
             let t = direction_at(field, x, y);
-            let unit = (t.length() - 1.0).abs() < 1e-5;
-            let none = t == DVec2::ZERO;
-            assert!(
-                if frame.mask.at(x, y) { unit } else { none },
-                "({x}, {y}): {t}"
-            );
+            let is_right = match frame.mask.at(x, y) {
+                true => (t.length() - 1.0).abs() < 1e-5,
+                false => t == DVec2::ZERO,
+            };
+            assert!(is_right, "({x}, {y}): {t}");
         }
     }
     found
@@ -44,9 +39,14 @@ fn both(frame: &Frame) -> [Vector2Planes; 2] {
     found.try_into().unwrap()
 }
 
-fn places(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + use<> {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+/// Parameters with so many passes of averaging.
+fn averaged(passes: u32) -> FieldParams {
+    default_but(|params: &mut FieldParams| params.passes = passes)
+}
+
+/// Parameters with this fallback.
+fn falling_back(fallback: Fallback) -> FieldParams {
+    default_but(|params: &mut FieldParams| params.fallback = fallback)
 }
 
 /// The exact directions, in the picture, of the curvatures larger and lesser in size; `None` where they
@@ -61,11 +61,8 @@ fn expected(exact: &Exact, projection: Projection) -> Option<[DVec2; 2]> {
         let seen = ahead? - behind?;
         Some(DVec2::new(seen.x, -seen.y).normalize())
     };
-    let clear = (u - v).abs() > 0.2 * (u + v);
-    if !clear {
-        return None;
-    }
-    Some([seen(tangents[0])?, seen(tangents[1])?])
+    let is_clear = (u - v).abs() > 0.2 * (u + v);
+    is_clear.then_some([seen(tangents[0])?, seen(tangents[1])?])
 }
 
 /// Cosine of the angle between the surface's normal and the sight line.
@@ -78,22 +75,18 @@ fn facing(scene: &ExactScene, exact: &Exact, x: usize, y: usize) -> f64 {
 fn errors(scene: &ExactScene, frame: &Frame, params: &FieldParams, least: f64) -> [Vec<f64>; 2] {
     let found = fields(frame, params, StrokeDirections::Both);
     let mut errors = [Vec::new(), Vec::new()];
-    for (x, y) in places(frame) {
+    for (x, y) in places(frame.mask.width(), frame.mask.height()) {
         let exact = scene.exact(x, y);
-        let Some(exact) = exact.filter(|e| facing(scene, e, x, y) > least) else {
-            continue;
-        };
-        if let Some(wanted) = expected(&exact, scene.projection) {
+        let exact = exact.filter(|e| facing(scene, e, x, y) > least);
+        if let Some(wanted) = exact.and_then(|exact| expected(&exact, scene.projection)) {
             for i in 0..2 {
                 errors[i].push(angle_deg(direction_at(&found[i], x, y), wanted[i]));
             }
         }
     }
     assert!(errors[0].len() > 500, "{}", errors[0].len());
-    errors.each_mut().map(|e| {
-        e.sort_by(f64::total_cmp);
-        std::mem::take(e)
-    })
+    errors.iter_mut().for_each(|e| e.sort_by(f64::total_cmp));
+    errors
 }
 
 fn scene(surface: Surface, radius: f64) -> (ExactScene, usize) {
@@ -107,8 +100,9 @@ fn in_perspective(scene: &ExactScene, radius: f64) -> ExactScene {
         panic!("already in perspective");
     };
     let (fx, fy) = (3.0 * radius, 3.0 * radius);
+    let projection = Projection::Perspective { fx, fy, cx, cy };
     ExactScene {
-        projection: Projection::Perspective { fx, fy, cx, cy },
+        projection,
         ..scene.clone()
     }
 }
@@ -137,23 +131,15 @@ fn strokes_run_around_cylinders_and_along_them() {
             let frame = scene.frame(side, side);
             for frame in [in_8_bits(without_depth(frame.clone())), frame] {
                 for passes in [0, FieldParams::default().passes] {
-                    let params = FieldParams {
-                        passes,
-                        ..FieldParams::default()
-                    };
                     let rounding = frame.source.normal_rounding;
-                    let [around, along] = errors(&scene, &frame, &params, 0.7)
+                    let [around, along] = errors(&scene, &frame, &averaged(passes), 0.7)
                         .map(|e| [quantile(&e, 0.95), quantile(&e, 1.0)]);
-                    println!(
-                        "{axis} {rounding:.4} {passes}: {:.3} / {:.3}, {:.3} / {:.3}",
-                        around[0], around[1], along[0], along[1]
-                    );
+                    println!("{axis} {rounding:.4} {passes}: {around:.3?}, {along:.3?}");
                     // The normals give the directions to a small part of a degree. A pass preserves straight lines,
                     // those along the axis in a parallel projection; rings seen at a slant bend, and near the rim,
                     // where the kernel is cut off, all of it to one side.
-                    let straight =
-                        passes == 0 || axis.z == 0.0 && scene.projection == flat.projection;
-                    let bound = if straight { 0.5 } else { 1.25 };
+                    let is_upright = axis.z == 0.0 && scene.projection == flat.projection;
+                    let bound = if passes == 0 || is_upright { 0.5 } else { 1.25 };
                     assert!(around[0] < bound && along[0] < 0.5, "{around:?} {along:?}");
                 }
             }
@@ -171,16 +157,10 @@ fn both_families_follow_the_curvature() {
             let bits = in_8_bits(without_depth(frame.clone()));
             for (stored, frame) in [("float", frame), ("8 bits", bits)] {
                 for passes in [0, FieldParams::default().passes] {
-                    let params = FieldParams {
-                        passes,
-                        ..FieldParams::default()
-                    };
-                    let [larger, lesser] = errors(&scene, &frame, &params, 0.35)
+                    let [larger, lesser] = errors(&scene, &frame, &averaged(passes), 0.35)
                         .map(|e| [quantile(&e, 0.5), quantile(&e, 0.95)]);
-                    println!(
-                        "{radius:4} {name:9} {stored:6} {passes} passes: {:.2} / {:.2}, {:.2} / {:.2}",
-                        larger[0], larger[1], lesser[0], lesser[1]
-                    );
+                    let case = format!("{radius:4} {name:9} {stored:6} {passes} passes");
+                    println!("{case}: {larger:.2?}, {lesser:.2?}");
                     // Neighbours 4 px apart: off by the square of 4 / radius, 0.2 degrees in 64 px in the
                     // mean and twenty times that where curvatures are nearly alike; a quarter per
                     // doubling. Rounding turns directions by 1/255 over the turn of 8 px, 8/radius.
@@ -193,10 +173,7 @@ fn both_families_follow_the_curvature() {
                         // Passes of 24 px round the tube of 77 px off; the loss is the bend of the field, not noise: 8
                         // bits and floats are alike.
                         let bound = if name == "torus" { 8.0 } else { 5.0 };
-                        assert!(
-                            larger[1] < bound && lesser[1] < 3.0,
-                            "{name}: {larger:?} {lesser:?}"
-                        );
+                        assert!(larger[1] < bound && lesser[1] < 3.0, "{case}");
                     }
                 }
             }
@@ -204,42 +181,22 @@ fn both_families_follow_the_curvature() {
     }
 }
 
-/// The largest angle between the directions of covered neighbours.
-fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
-    let mut largest = 0.0_f64;
-    for (x, y) in places(frame).filter(|&(x, y)| x > 0 && y > 0) {
-        for (px, py) in [(x - 1, y), (x, y - 1)] {
-            if frame.mask.at(x, y) && frame.mask.at(px, py) {
-                largest = largest.max(angle_deg(
-                    direction_at(found, x, y),
-                    direction_at(found, px, py),
-                ));
-            }
-        }
-    }
-    largest
-}
-
 #[test]
 fn balls_and_planes_take_the_fallback() {
     for radius in [40.0, 150.0, 2000.0] {
         let ball = ExactScene::orthographic(Surface::ball(radius), 80.3, 79.6);
-        let plane =
-            ExactScene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
+        let plane = Surface::plane(DVec3::new(0.5, -0.3, 0.8));
+        let plane = ExactScene::orthographic(plane, 80.0, 80.0);
         for scene in [ball, plane.clone(), plane.in_perspective()] {
             let frame = scene.frame(160, 160);
             for frame in [in_8_bits(without_depth(frame.clone())), frame] {
                 let exact = frame.source.normal_rounding == 0.0;
                 for angle in [45.0_f32, -20.0] {
-                    let params = FieldParams {
-                        fallback: Fallback::Angle(angle),
-                        ..FieldParams::default()
-                    };
+                    let params = falling_back(Fallback::Angle(angle));
                     let found = fields(&frame, &params, StrokeDirections::Both);
                     let first = Vec2::from_angle(angle.to_radians()).as_dvec2();
                     let wanted = [first, first.perp()];
-                    let covered = places(&frame).filter(|&(x, y)| frame.mask.at(x, y));
-                    let off = covered.flat_map(|(x, y)| {
+                    let off = covered(&frame.mask).flat_map(|(x, y)| {
                         let off = |i: usize| angle_deg(direction_at(&found[i], x, y), wanted[i]);
                         [off(0), off(1)]
                     });
@@ -260,21 +217,15 @@ fn balls_and_planes_take_the_fallback() {
 #[test]
 fn the_surface_fallback_is_upright_and_across() {
     let ball = ExactScene::orthographic(Surface::ball(60.0), 80.3, 79.6).frame(160, 160);
-    let params = FieldParams {
-        fallback: Fallback::Surface,
-        ..FieldParams::default()
-    };
-    let [first, second] = fields(&ball, &params, StrokeDirections::Both)
-        .try_into()
-        .unwrap();
+    let params = falling_back(Fallback::Surface);
+    let found = fields(&ball, &params, StrokeDirections::Both);
     // x crossed with n is (0, -n_z, n_y), upright; n crossed with that, (n_y^2 + n_z^2, -n_x n_y, ..).
-    for (x, y) in places(&ball).filter(|&(x, y)| ball.mask.at(x, y)) {
-        let [nx, ny, nz] =
-            [&ball.normal.x, &ball.normal.y, &ball.normal.z].map(|p| f64::from(p.at(x, y)));
+    for (x, y) in covered(&ball.mask) {
+        let [nx, ny, nz] = ball.normal.at(x, y).to_array();
         if nz > 0.4 {
-            assert!(angle_deg(direction_at(&first, x, y), DVec2::Y) < 1.0);
+            assert!(angle_deg(direction_at(&found[0], x, y), DVec2::Y) < 1.0);
             let across = DVec2::new(ny * ny + nz * nz, -nx * ny);
-            let off = angle_deg(direction_at(&second, x, y), across);
+            let off = angle_deg(direction_at(&found[1], x, y), across);
             assert!(off < 3.0, "({x}, {y}): {off}");
         }
     }
@@ -299,36 +250,20 @@ fn singular_squares(field: &Vector2Planes, frame: &Frame) -> usize {
         };
         (0..4).map(turn).sum::<f64>().abs() > PI
     };
-    let squares =
-        places(frame).filter(|&(x, y)| x + 1 < frame.mask.width() && y + 1 < frame.mask.height());
+    let squares = places(frame.mask.width() - 1, frame.mask.height() - 1);
     let squares = squares.map(|(x, y)| [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]);
-    squares
-        .filter(|&square| is_one_surface(square) && is_singular(square))
-        .count()
+    let singular = squares.filter(|&square| is_one_surface(square) && is_singular(square));
+    singular.count()
 }
 
 #[test]
 fn few_places_are_singular_on_a_head() {
-    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
-    let inputs = Files {
-        picture,
-        ..Files::default()
-    };
-    let needs = Needs {
-        projection: true,
-        ..Needs::default()
-    };
-    let frame = io::load(&inputs, needs).unwrap().frame;
+    let bust = load(fixture("bust.exr"), |_, needs| needs.projection = true);
+    let frame = bust.frame;
     let singular = |passes: u32| {
-        let params = FieldParams {
-            passes,
-            ..FieldParams::default()
-        };
-        let found = fields(&frame, &params, StrokeDirections::Both);
-        found
-            .iter()
-            .map(|field| singular_squares(field, &frame))
-            .collect::<Vec<_>>()
+        let found = fields(&frame, &averaged(passes), StrokeDirections::Both);
+        let counts = found.iter().map(|field| singular_squares(field, &frame));
+        counts.collect::<Vec<_>>()
     };
     let (raw, calm) = (singular(0), singular(FieldParams::default().passes));
     println!("{raw:?} without averaging, {calm:?} with it");
@@ -350,15 +285,12 @@ fn objects_take_fallbacks_of_their_own() {
     let found = both(&frame);
     let wanted = [45.0, 20.0, 90.0].map(|deg: f64| DVec2::from_angle(deg.to_radians()));
     // Pixels on the steps themselves have a neighbour's direction.
-    let inside = places(&frame).filter(|(x, _)| (4..36).contains(&(x % 40)));
-    for (x, y) in inside {
-        let [first, second] = [0, 1].map(|i| direction_at(&found[i], x, y));
+    for (x, y) in places(120, 60).filter(|(x, _)| (4..36).contains(&(x % 40))) {
         let along = wanted[part(x)];
-        assert!(angle_deg(first, along) < 0.01, "({x}, {y}): {first}");
-        assert!(
-            angle_deg(second, along.perp()) < 0.01,
-            "({x}, {y}): {second}"
-        );
+        for (field, wanted) in found.iter().zip([along, along.perp()]) {
+            let own = direction_at(field, x, y);
+            assert!(angle_deg(own, wanted) < 0.01, "({x}, {y}): {own}");
+        }
     }
 }
 
@@ -367,12 +299,9 @@ fn one_family_is_the_same_alone() {
     let (scene, side) = scene(ellipsoid(60.0), 60.0);
     let frame = scene.frame(side, side);
     let [larger, _] = both(&frame);
-    let alone = fields(&frame, &FieldParams::default(), StrokeDirections::Max);
-    assert!(alone == [larger]);
-    assert_eq!(
-        fields(&frame, &FieldParams::default(), StrokeDirections::Min).len(),
-        1
-    );
+    let alone = |directions| fields(&frame, &FieldParams::default(), directions);
+    assert!(alone(StrokeDirections::Max) == [larger]);
+    assert_eq!(alone(StrokeDirections::Min).len(), 1);
 }
 
 #[test]
@@ -388,7 +317,7 @@ fn nothing_crosses_a_silhouette() {
     let plain = both(&frame);
     for changed in 0..2 {
         let mut frame = frame.clone();
-        for (x, y) in places(&frame) {
+        for (x, y) in places(220, 220) {
             if scene.exact(x, y).is_some_and(|e| e.surface == changed) {
                 // As if rotated by a quarter turn.
                 let [nx, ny] = [frame.normal.x.at(x, y), frame.normal.y.at(x, y)];
@@ -398,22 +327,26 @@ fn nothing_crosses_a_silhouette() {
         }
         let found = both(&frame);
         let (mut kept, mut other) = (0, 0);
-        for (x, y) in places(&frame) {
+        for (x, y) in places(220, 220) {
             let Some(exact) = scene.exact(x, y) else {
                 continue;
             };
-            let same =
-                (0..2).all(|i| direction_at(&plain[i], x, y) == direction_at(&found[i], x, y));
+            let at = |fields: &[Vector2Planes; 2]| fields.each_ref().map(|f| direction_at(f, x, y));
+            let same = at(&plain) == at(&found);
             if exact.surface == changed {
                 other += usize::from(!same);
             } else if same {
                 kept += 1;
             } else {
                 // Pixels on the edge itself, two wide, have a neighbour's direction.
-                let beside = (x - 3..=x + 3)
-                    .flat_map(|x| (y - 3..=y + 3).map(move |y| (x, y)))
-                    .any(|(x, y)| scene.exact(x, y).is_none_or(|e| e.surface == changed));
-                assert!(beside, "({x}, {y}) of the one changes with the other");
+                let is_changed = |(i, j)| {
+                    let seen = scene.exact(x + i - 3, y + j - 3);
+                    seen.is_none_or(|e| e.surface == changed)
+                };
+                assert!(
+                    places(7, 7).any(is_changed),
+                    "({x}, {y}) of the one changes with the other"
+                );
             }
         }
         assert!(kept > 3000 && other > 3000, "{kept} {other}");
@@ -422,27 +355,20 @@ fn nothing_crosses_a_silhouette() {
 
 #[test]
 fn turned_and_mirrored_pictures_give_turned_and_mirrored_fields() {
-    let params = |angle| FieldParams {
-        fallback: Fallback::Angle(angle),
-        ..FieldParams::default()
-    };
-    for surface in [
-        ellipsoid(60.0),
-        torus(60.0),
-        Surface::cylinder(40.0, DVec3::new(0.6, 0.5, 0.45)),
-    ] {
+    let cylinder = Surface::cylinder(40.0, DVec3::new(0.6, 0.5, 0.45));
+    for surface in [ellipsoid(60.0), torus(60.0), cylinder] {
         let (flat, side) = scene(surface, 60.0);
         for scene in [flat.clone(), in_perspective(&flat, 60.0)] {
             let frame = scene.frame(side, side);
-            let plain = fields(&frame, &params(20.0), StrokeDirections::Both);
-            let flipped = fields(&mirrored(&frame), &params(-20.0), StrokeDirections::Both);
-            let turned = fields(
-                &quarter_turned(&frame),
-                &params(110.0),
-                StrokeDirections::Both,
-            );
+            let of = |frame: &Frame, angle| {
+                let params = falling_back(Fallback::Angle(angle));
+                fields(frame, &params, StrokeDirections::Both)
+            };
+            let plain = of(&frame, 20.0);
+            let flipped = of(&mirrored(&frame), -20.0);
+            let turned = of(&quarter_turned(&frame), 110.0);
             let mut off = Vec::new();
-            for (x, y) in places(&frame).filter(|&(x, y)| frame.mask.at(x, y)) {
+            for (x, y) in covered(&frame.mask) {
                 for i in 0..2 {
                     let t = direction_at(&plain[i], x, y);
                     let mirror = direction_at(&flipped[i], side - 1 - x, y);
@@ -463,13 +389,7 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_fields() {
 fn any_number_of_threads_gives_the_same_bits() {
     let (scene, side) = scene(torus(150.0), 150.0);
     let frame = in_8_bits(without_depth(scene.frame(side, side)));
-    let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| both(&frame))
-    };
+    let on = |threads| on_threads(threads, || both(&frame));
     let one = on(1);
     for threads in [2, 3, 8] {
         assert!(on(threads) == one, "{threads}");
@@ -481,31 +401,20 @@ fn a_quarter_of_the_size_is_enough() {
     for (name, surface) in [("ellipsoid", ellipsoid(128.0)), ("torus", torus(128.0))] {
         let (scene, side) = scene(surface, 128.0);
         let frame = scene.frame(side, side);
-        let whole = FieldParams {
-            cell_px: 1,
-            ..FieldParams::default()
-        };
+        let whole = default_but(|params: &mut FieldParams| params.cell_px = 1);
         let (full, quarter) = (fields(&frame, &whole, StrokeDirections::Both), both(&frame));
         for i in 0..2 {
-            let mut off: Vec<f64> = places(&frame)
-                .filter(|&(x, y)| {
-                    scene
-                        .exact(x, y)
-                        .is_some_and(|e| facing(&scene, &e, x, y) > 0.35)
-                })
-                .map(|(x, y)| {
-                    angle_deg(
-                        direction_at(&full[i], x, y),
-                        direction_at(&quarter[i], x, y),
-                    )
-                })
-                .collect();
+            let seen = places(side, side).filter(|&(x, y)| {
+                let exact = scene.exact(x, y);
+                exact.is_some_and(|e| facing(&scene, &e, x, y) > 0.35)
+            });
+            let [full, quarter] = [&full[i], &quarter[i]];
+            let off =
+                seen.map(|(x, y)| angle_deg(direction_at(full, x, y), direction_at(quarter, x, y)));
+            let mut off: Vec<f64> = off.collect();
             off.sort_by(f64::total_cmp);
-            println!(
-                "{name} {i}: {:.3} / {:.3}",
-                quantile(&off, 0.5),
-                quantile(&off, 0.95)
-            );
+            let shown = [quantile(&off, 0.5), quantile(&off, 0.95)];
+            println!("{name} {i}: {shown:.3?}");
             assert!(quantile(&off, 0.95) < 1.5, "{name}");
         }
     }
@@ -523,40 +432,23 @@ fn frames_of_any_kind_give_a_direction_everywhere() {
         |_, _| true,
     ];
     for (width, height) in [(1, 1), (1, 9), (9, 1), (3, 2), (5, 5), (8, 4), (13, 7)] {
-        let (x0, y0) = (17, 15);
-        let part = Window {
-            x0,
-            y0,
-            x1: x0 + width,
-            y1: y0 + height,
-        };
-        let part = whole.crop(part);
+        let part = whole.crop(Window::at(17, 15, width, height));
         for mask in masks {
-            let covered = Plane::from_fn(width as usize, height as usize, mask);
+            let covered = Plane::from_fn(width, height, mask);
             for normal in [None, Some(0.0), Some(f32::NAN), Some(f32::INFINITY)] {
                 let mut frame = part.clone();
                 frame.mask = Mask::new(covered.clone());
                 if let Some(value) = normal {
-                    for plane in [
-                        &mut frame.normal.x,
-                        &mut frame.normal.y,
-                        &mut frame.normal.z,
-                    ] {
-                        plane
-                            .samples_mut()
-                            .iter_mut()
-                            .step_by(2)
-                            .for_each(|v| *v = value);
+                    let n = &mut frame.normal;
+                    for plane in [&mut n.x, &mut n.y, &mut n.z] {
+                        let samples = plane.samples_mut().iter_mut();
+                        samples.step_by(2).for_each(|v| *v = value);
                     }
                 }
                 for depth in [Some(f32::INFINITY), Some(-1.0), Some(0.0), None] {
-                    let broken = depth.map(|d| Plane::filled(width as usize, height as usize, d));
-                    frame.depth = broken;
+                    frame.depth = depth.map(|d| Plane::filled(width, height, d));
                     for cell_px in [1, 3, 4, 8] {
-                        let params = FieldParams {
-                            cell_px,
-                            ..FieldParams::default()
-                        };
+                        let params = default_but(|p: &mut FieldParams| p.cell_px = cell_px);
                         fields(&frame, &params, StrokeDirections::Both);
                     }
                 }

@@ -1,25 +1,26 @@
 //! Pictures whose opposite borders continue each other.
 
-use relievo::engine::{Engine, Inputs, Outcome, Request, Run};
+use crate::common::files::load;
+use crate::common::{default_but, places};
+use glam::DVec3;
+use relievo::engine::{Engine, Outcome, Request, Run};
 use relievo::frame::{Frame, Normals, Window};
-use relievo::io::inputs::{Inputs as Files, Wrap};
-use relievo::io::{self, Needs};
+use relievo::io::inputs::Wrap;
 use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{
-    Adaptive, AlbedoSource, Params, RelightParams, Scale, ScalingParams, ShapeParams,
-};
-use relievo::plan::{Available, Goal};
+use relievo::params::{Adaptive, AlbedoSource, Params, Scale, ScalingParams, ShapeParams};
+use relievo::plan::Goal;
 use relievo::product::Product;
 use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
 
 const SIZE: [usize; 2] = [40, 28];
 
 /// The normal and the brightness at a pixel of an endless pavement: waves, and a step in slope that makes a crease.
 fn pavement(x: i64, y: i64) -> ([f32; 3], f32) {
-    let [u, v] = [
+    let (u, v) = (
         x.rem_euclid(40) as f64 / 40.0,
         y.rem_euclid(28) as f64 / 28.0,
-    ];
+    );
     let edge = if (0.3..0.5).contains(&u) { 1.5 } else { 0.0 };
     let slope = [
         0.5 * (TAU * u).cos() + 0.2 * (TAU * (3.0 * u + v)).sin() + edge,
@@ -28,6 +29,14 @@ fn pavement(x: i64, y: i64) -> ([f32; 3], f32) {
     let n = glam::DVec3::new(-slope[0], -slope[1], 1.0).normalize();
     let light = 0.5 + 0.3 * (TAU * (u + 2.0 * v)).sin();
     (n.as_vec3().to_array(), light as f32)
+}
+
+/// Codes of 8 bits of a normal.
+fn coded(n: DVec3) -> image::Rgb<u8> {
+    image::Rgb(
+        n.to_array()
+            .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
+    )
 }
 
 /// A window of it.
@@ -55,38 +64,34 @@ fn tile(wraps: [bool; 2]) -> Frame {
 }
 
 /// A tile of normals that wraps in both directions.
-fn endless(width: usize, height: usize, normals: &[f32]) -> Frame {
-    let frame = Frame::builder(width, height)
-        .normals(Normals::view(normals))
-        .build();
+fn endless(width: usize, height: usize, normal: impl Fn(usize, usize) -> DVec3) -> Frame {
+    let normals = places(width, height).map(|(x, y)| normal(x, y).normalize().as_vec3());
+    let normals: Vec<f32> = normals.flat_map(|n| n.to_array()).collect();
+    let frame = Frame::builder(width, height).normals(Normals::view(&normals));
     Frame {
         wraps: [true; 2],
-        ..frame.unwrap()
+        ..frame.build().unwrap()
     }
+}
+
+/// What a request makes of a frame.
+fn run(request: &Request, frame: &Frame) -> Outcome {
+    Engine::cpu().run(request, frame, &Run::new()).unwrap()
+}
+
+/// Shape at this scale.
+fn at_scale(sigma: f32) -> ShapeParams {
+    default_but(|shape: &mut ShapeParams| shape.scale = Scale::Sigma(sigma))
 }
 
 /// All products, of light and of shape.
 fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
-    let shape = ShapeParams {
-        scale: Scale::Sigma(3.0),
-        ..ShapeParams::default()
+    let params = Params::of(at_scale(3.0), scaling);
+    let layers = Goal::Layers {
+        and: &[],
+        more_px: &[9.0],
     };
-    let requests = [
-        Request::new(
-            Goal::Layers {
-                and: &[],
-                more_px: &[9.0],
-            },
-            Params::of(shape, scaling),
-        ),
-        Request::enhance(Params::of(shape, scaling)),
-    ];
-    requests.map(|request| {
-        let plan = request.plan(Available::in_frame(frame)).unwrap();
-        Engine::cpu()
-            .execute(&plan, frame, Inputs::default(), &Run::new())
-            .unwrap()
-    })
+    [Request::new(layers, params), Request::enhance(params)].map(|request| run(&request, frame))
 }
 
 fn given() -> ScalingParams {
@@ -111,10 +116,8 @@ fn a_tile_is_the_middle_of_its_repetition() {
         let around = Window { x0, y0, x1, y1 };
         let whole = part(around, [false; 2]);
         let middle = Window::at(-x0, -y0, SIZE[0], SIZE[1]);
-        for (tile, whole) in made(&tile(wraps), given())
-            .iter()
-            .zip(made(&whole, given()))
-        {
+        let [tiles, wholes] = [&tile(wraps), &whole].map(|frame| made(frame, given()));
+        for (tile, whole) in tiles.iter().zip(&wholes) {
             let mut count = 0;
             for ((product, tile), (_, whole)) in tile.products().zip(whole.products()) {
                 for (tile, whole) in tile.iter().zip(whole) {
@@ -144,22 +147,15 @@ fn a_wave_fades_by_its_eigenvalue_at_every_scale() {
     let [width, height] = SIZE;
     let k = TAU / width as f64;
     let slope = |x: usize| 0.1 * (k * x as f64).cos();
-    let normals: Vec<f32> = (0..width * height)
-        .flat_map(|i| {
-            let p = slope(i % width);
-            [-p as f32, 0.0, (1.0 - p * p).sqrt() as f32]
-        })
-        .collect();
-    let frame = endless(width, height, &normals);
+    let frame = endless(width, height, |x, _| {
+        let p = slope(x);
+        DVec3::new(-p, 0.0, (1.0 - p * p).sqrt())
+    });
     for sigma in [2.0_f32, 8.0, 30.0, 300.0, 1000.0] {
-        let shape = ShapeParams {
-            scale: Scale::Sigma(sigma),
-            tolerance: 1e-6,
-            ..ShapeParams::default()
-        };
+        let mut shape = at_scale(sigma);
+        shape.tolerance = 1e-6;
         let request = Request::layers(Params::of(shape, given()));
-        let made = Engine::cpu().run(&request, &frame, &Run::new()).unwrap();
-        let gradient = made.shape.gradient.unwrap();
+        let gradient = run(&request, &frame).shape.gradient.unwrap();
         let left = (-f64::from(sigma * sigma) * (1.0 - k.cos())).exp();
         for (x, y) in [(0, 0), (7, 27), (20, 13), (39, 1)] {
             let apart = (f64::from(gradient.x.at(x, y)) - left * slope(x)).abs();
@@ -172,16 +168,11 @@ fn a_wave_fades_by_its_eigenvalue_at_every_scale() {
 #[test]
 fn a_region_of_a_tile_is_cut_from_the_whole() {
     let tile = tile([true; 2]);
-    let shape = ShapeParams {
-        scale: Scale::Sigma(3.0),
-        ..ShapeParams::default()
-    };
-    let request = Request::layers(Params::of(shape, ScalingParams::default()));
-    let whole = Engine::cpu().run(&request, &tile, &Run::new()).unwrap();
+    let request = Request::layers(Params::of(at_scale(3.0), ScalingParams::default()));
+    let whole = run(&request, &tile);
     let region = Window::at(31, 5, 9, 12);
-    let part = Engine::cpu()
-        .run(&request, &tile, &Run::new().region(region))
-        .unwrap();
+    let part = Engine::cpu().run(&request, &tile, &Run::new().region(region));
+    let part = part.unwrap();
     assert_eq!(part.gain, whole.gain);
     let all = Window::from_size(SIZE[0], SIZE[1]);
     for ((product, part), (_, whole)) in part.products().zip(whole.products()) {
@@ -196,47 +187,27 @@ fn a_region_of_a_tile_is_cut_from_the_whole() {
 #[test]
 fn the_sky_is_that_over_an_endless_surface() {
     let sky = |frame: &Frame| {
-        let shape = ShapeParams {
-            occlusion_radius: 100.0,
-            ..ShapeParams::default()
+        let goal = Goal::Layers {
+            and: &[Product::Sky],
+            more_px: &[],
         };
-        let request = Request::new(
-            Goal::Layers {
-                and: &[Product::Sky],
-                more_px: &[],
-            },
-            Params::of(shape, given()),
-        );
-        let made = Engine::cpu().run(&request, frame, &Run::new());
-        made.unwrap().shape.sky.unwrap()
+        let shape = default_but(|shape: &mut ShapeParams| shape.occlusion_radius = 100.0);
+        let request = Request::new(goal, Params::of(shape, given()));
+        run(&request, frame).shape.sky.unwrap()
     };
     let waves = |width: usize, height: usize| {
-        let normals: Vec<f32> = (0..width * height)
-            .flat_map(|i| {
-                let [u, v] = [(i % width) as f64 / 40.0, (i / width) as f64 / 28.0];
-                let slope = [0.9 * (TAU * u).cos(), 0.6 * (TAU * v).sin()];
-                let n = glam::DVec3::new(-slope[0], slope[1], 1.0).normalize();
-                n.as_vec3().to_array()
-            })
-            .collect();
-        endless(width, height, &normals)
+        endless(width, height, |x, y| {
+            let [u, v] = [x as f64 / 40.0, y as f64 / 28.0];
+            DVec3::new(-0.9 * (TAU * u).cos(), 0.6 * (TAU * v).sin(), 1.0)
+        })
     };
     let [width, height] = SIZE;
-    let (one, nine) = (
-        sky(&waves(width, height)),
-        sky(&waves(3 * width, 3 * height)),
-    );
+    let [one, nine] = [1, 3].map(|times| sky(&waves(times * width, times * height)));
     let mut least = 1.0_f32;
-    for y in 0..height {
-        for x in 0..width {
-            let there = nine.at(width + x, height + y);
-            assert!(
-                (one.at(x, y) - there).abs() < 1e-3,
-                "{x}, {y}: {} {there}",
-                one.at(x, y)
-            );
-            least = least.min(there);
-        }
+    for (x, y) in places(width, height) {
+        let (here, there) = (one.at(x, y), nine.at(width + x, height + y));
+        assert!((here - there).abs() < 1e-3, "{x}, {y}: {here} {there}");
+        least = least.min(there);
     }
     assert!(least < 0.8, "{least}");
 }
@@ -267,21 +238,13 @@ fn a_rolled_tile_is_lit_as_it_was() {
         directional: vec![DirectionalLight::white([135.0, 40.0])],
         ..Illumination::default()
     };
-    let params = RelightParams {
-        albedo: AlbedoSource::Estimate,
-        ..RelightParams::default()
-    };
+    let mut params = Params::default();
+    params.relight.albedo = AlbedoSource::Estimate;
     let lit = |frame: &Frame| {
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let request = Request::relight(
-            Params {
-                relight: params,
-                ..Params::of(shape, scaling)
-            },
-            &illumination,
-        );
-        let made = Engine::cpu().run(&request, frame, &Run::new());
-        made.unwrap().color.unwrap().r
+        run(&Request::relight(params, &illumination), frame)
+            .color
+            .unwrap()
+            .r
     };
     let straight = lit(&tile([true; 2]));
     let rolled = lit(&part(Window::at(13, 9, SIZE[0], SIZE[1]), [true; 2]));
@@ -293,13 +256,11 @@ fn a_rolled_tile_is_lit_as_it_was() {
 }
 
 /// The tile as an 8-bit normal map, in which steps between codes are removed across borders too.
-fn written(folder: &std::path::Path, window: Window) -> std::path::PathBuf {
-    let pixel = |x: u32, y: u32| {
-        let (n, _) = pavement(
-            i64::from(window.x0) + i64::from(x),
-            i64::from(window.y0) + i64::from(y),
-        );
-        image::Rgb(n.map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8))
+fn written(folder: &Path, window: Window) -> PathBuf {
+    let from = |start: i32, at: u32| i64::from(start) + i64::from(at);
+    let pixel = |x, y| {
+        let (n, _) = pavement(from(window.x0, x), from(window.y0, y));
+        coded(DVec3::from(n.map(f64::from)))
     };
     let path = folder.join(format!("{window}.png").replace(' ', "_"));
     let picture = image::RgbImage::from_fn(window.width() as u32, window.height() as u32, pixel);
@@ -319,21 +280,13 @@ fn borders_that_continue_each_other_are_found() {
         (Window::at(0, 0, w - 5, h - 10), [false, false]),
     ];
     for (window, expected) in cases {
-        let loaded = io::load(
-            &Files {
-                picture: written(folder.path(), window),
-                wrap: Wrap::Auto,
-                ..Files::default()
-            },
-            Needs::default(),
-        );
-        let loaded = loaded.unwrap();
+        let loaded = load(written(folder.path(), window), |inputs, _| {
+            inputs.wrap = Wrap::Auto;
+        });
         assert_eq!(loaded.frame.wraps, expected, "{window}");
         assert!(loaded.frame.color.is_none());
-        let said = loaded
-            .findings
-            .iter()
-            .any(|found| found.subject == "borders");
+        let mut findings = loaded.findings.iter();
+        let said = findings.any(|found| found.subject == "borders");
         assert_eq!(said, expected != [false; 2], "{window}");
     }
 }
@@ -346,20 +299,11 @@ fn a_calm_border_does_not_continue_a_busy_one() {
     let pixel = |x: u32, y: u32| {
         let phase = TAU * (f64::from(x) / 2.5 + 0.618 * f64::from(y));
         let slope = 0.3 * f64::from(x) / 95.0 * phase.sin();
-        let n = glam::DVec3::new(-slope, 0.0, 1.0).normalize();
-        image::Rgb(
-            n.to_array()
-                .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
-        )
+        coded(DVec3::new(-slope, 0.0, 1.0).normalize())
     };
     let path = folder.path().join("calm.png");
     image::RgbImage::from_fn(96, 64, pixel).save(&path).unwrap();
-    let files = Files {
-        picture: path,
-        wrap: Wrap::Auto,
-        ..Files::default()
-    };
-    let loaded = io::load(&files, Needs::default()).unwrap();
+    let loaded = load(path, |inputs, _| inputs.wrap = Wrap::Auto);
     assert!(!loaded.frame.wraps[0]);
 }
 
@@ -370,22 +314,13 @@ fn rounding_is_undone_across_borders() {
     let folder = tempfile::tempdir().unwrap();
     let wave = |x: u32| {
         let slope = 0.02 * (TAU * f64::from(x % 64) / 64.0).cos();
-        let n = glam::DVec3::new(-slope, 0.0, 1.0).normalize();
-        image::Rgb(
-            n.to_array()
-                .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
-        )
+        coded(DVec3::new(-slope, 0.0, 1.0).normalize())
     };
     let read = |name: &str, width: u32, height: u32, wrap: Wrap| {
         let path = folder.path().join(name);
         let picture = image::RgbImage::from_fn(width, height, |x, _| wave(x));
         picture.save(&path).unwrap();
-        let inputs = Files {
-            picture: path,
-            wrap,
-            ..Files::default()
-        };
-        io::load(&inputs, Needs::default()).unwrap().frame.normal
+        load(path, |inputs, _| inputs.wrap = wrap).frame.normal
     };
     // Rounding is undone within 269 pixels: five repetitions on each side.
     let tile = read("tile.png", 64, 64, Wrap::Xy);
@@ -402,61 +337,34 @@ fn rounding_is_undone_across_borders() {
 #[test]
 fn height_is_made_where_it_is_named() {
     let (width, height) = (60, 48);
-    let wave = |x: usize, y: usize| {
-        let [u, v] = [x as f64 / 60.0, y as f64 / 48.0].map(|at| TAU * at);
-        let (k, l) = (TAU / 60.0, TAU / 48.0);
-        let z = 3.0 * u.sin() * v.cos();
-        (
-            z,
-            [3.0 * k * u.cos() * v.cos(), -3.0 * l * u.sin() * v.sin()],
-        )
-    };
-    let mut normals = Vec::new();
-    for y in 0..height {
-        for x in 0..width {
-            let [p, down] = wave(x, y).1;
-            let n = glam::DVec3::new(-p, down, 1.0).normalize();
-            normals.extend(n.as_vec3().to_array());
-        }
-    }
-    let frame = endless(width, height, &normals);
-    let engine = Engine::cpu();
-    let params = Params {
-        shape: ShapeParams {
-            height_tolerance: 1e-6,
-            ..ShapeParams::default()
-        },
-        ..Params::default()
-    };
-    let outcome = engine
-        .run(&Request::layers(params), &frame, &Run::new())
-        .unwrap();
-    assert!(outcome.shape.height.is_none() && outcome.shape.sky.is_none());
-    let goal = Goal::Layers {
-        and: &[Product::Height, Product::Sky, Product::BentNormal],
-        more_px: &[],
-    };
-    let request = Request::new(goal, params);
-    let shape = engine.run(&request, &frame, &Run::new()).unwrap().shape;
-    let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
     // Across a face the height changes by the mean of the slopes beside it, which is of second order: a wave of angular
     // frequencies k and l keeps (k sin k + l sin l) / (4 - 2 cos k - 2 cos l) of its height, here 0.9988.
     let (k, l) = (TAU / 60.0, TAU / 48.0);
     let kept = (k * k.sin() + l * l.sin()) / (4.0 - 2.0 * k.cos() - 2.0 * l.cos());
+    let wave = |x: usize, y: usize| 3.0 * (k * x as f64).sin() * (l * y as f64).cos();
+    let frame = endless(width, height, |x, y| {
+        let [(su, cu), (sv, cv)] = [k * x as f64, l * y as f64].map(f64::sin_cos);
+        DVec3::new(-3.0 * k * cu * cv, -3.0 * l * su * sv, 1.0)
+    });
+    let mut params = Params::default();
+    params.shape.height_tolerance = 1e-6;
+    let shape = run(&Request::layers(params), &frame).shape;
+    assert!(shape.height.is_none() && shape.sky.is_none());
+    let goal = Goal::Layers {
+        and: &[Product::Height, Product::Sky, Product::BentNormal],
+        more_px: &[],
+    };
+    let shape = run(&Request::new(goal, params), &frame).shape;
+    let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
     for (x, y) in [(0, 0), (59, 47), (15, 0), (40, 30)] {
-        let expected = (kept * wave(x, y).0) as f32;
+        let (found, expected) = (found.at(x, y), (kept * wave(x, y)) as f32);
         assert!(
-            (found.at(x, y) - expected).abs() < 1e-4,
-            "{x}, {y}: {} {expected}",
-            found.at(x, y)
+            (found - expected).abs() < 1e-4,
+            "{x}, {y}: {found} {expected}"
         );
     }
     // A crest sees all of its sky, a trough less.
-    assert!(
-        sky.at(15, 0) > 0.999 && sky.at(45, 0) < 0.99,
-        "{} {}",
-        sky.at(15, 0),
-        sky.at(45, 0)
-    );
+    let [crest, trough] = [15, 45].map(|x| sky.at(x, 0));
+    assert!(crest > 0.999 && trough < 0.99, "{crest} {trough}");
     assert!((shape.bent.unwrap().at(15, 0).length() - 1.0).abs() < 1e-5);
 }

@@ -1,14 +1,14 @@
 //! Rotations and lenses recovered from the depth and normals of small scenes.
 
-use super::measure::{expect_rotation, focal, turn_deg};
-use super::planes::{strew, vectors};
+use super::measure::{expect_rotation, focal, turn_between, turn_deg};
+use super::planes::strew;
 use super::shots::{Numbers, Scene, Seen, Shot, looking, panorama, perspective};
 use crate::common::exr::Part;
+use crate::common::files::load;
 use glam::{DAffine3, DMat3, DVec3, EulerRot};
 use relievo::frame::{DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use relievo::io::camera::{DepthCamera, RecoveryFailure, recover_camera_from_depth};
-use relievo::io::inputs::{Inputs, StoredDepth};
-use relievo::io::{Needs, load};
+use relievo::io::inputs::StoredDepth;
 
 struct Layers {
     normal: Vector3Planes,
@@ -23,24 +23,22 @@ fn layers_of(shot: &Shot) -> Layers {
     let (w, h) = (middle.width(), middle.height());
     let depth = |s: Seen| shot.stored(if shot.ray { s.distance } else { s.steps }) as f32;
     let normal = |s: Seen| (shot.normals * s.normal).map(|v| shot.stored(v));
+    let are_both = |x, y| near.at(x, y).is_some() && middle.at(x, y).is_some();
     Layers {
-        normal: vectors(w, h, |x, y| middle.at(x, y).map_or(DVec3::ZERO, normal)),
+        normal: Vector3Planes::from_fn(w, h, |x, y| middle.at(x, y).map_or(DVec3::ZERO, normal)),
         depth: near.map(|s| s.map_or(1e10, depth)),
-        mask: Mask::new(Plane::from_fn(w, h, |x, y| {
-            near.at(x, y).is_some() && middle.at(x, y).is_some()
-        })),
+        mask: Mask::new(Plane::from_fn(w, h, are_both)),
     }
 }
 
 fn recovered_from(shot: &Shot, layers: &Layers) -> Result<DepthCamera, RecoveryFailure> {
-    recover_camera_from_depth(
-        &layers.normal,
-        &layers.depth,
-        &layers.mask,
-        shot.data,
-        shot.display,
-        shot.aspect as f32,
-    )
+    let Layers {
+        normal,
+        depth,
+        mask,
+    } = layers;
+    let (data, display) = (shot.data, shot.display);
+    recover_camera_from_depth(normal, depth, mask, data, display, shot.aspect as f32)
 }
 
 fn recovered(shot: &Shot) -> Result<DepthCamera, RecoveryFailure> {
@@ -73,11 +71,8 @@ fn exact_layers_give_rotation_and_focal_length() {
 #[test]
 fn rotations_about_every_axis_are_found() {
     for (a, b, c) in [(0.4, -1.1, 2.0), (-2.5, 0.7, 0.3), (3.1, 1.4, -1.9)] {
-        let shot = Shot {
-            normals: DMat3::from_euler(EulerRot::XYZ, a, b, c),
-            ..Shot::default()
-        };
-        expect_within(&shot, 0.02);
+        let turn = DMat3::from_euler(EulerRot::XYZ, a, b, c);
+        expect_within(&Shot::with(|shot| shot.normals = turn), 0.02);
     }
     let mut rolled = Shot::default();
     let roll = DAffine3::from_mat3(DMat3::from_rotation_z(2.2));
@@ -95,21 +90,10 @@ fn view_space_normals_need_no_rotation() {
 
 #[test]
 fn half_floats_and_jitter_cost_tenths_of_a_degree() {
-    let half = Shot {
-        half: true,
-        ..Shot::default()
-    };
-    expect_within(&half, 0.1);
-    let jitter = Shot {
-        jitter: 0.5,
-        ..Shot::default()
-    };
-    expect_within(&jitter, 0.3);
-    let both = Shot {
-        half: true,
-        ..jitter
-    };
-    expect_within(&both, 0.3);
+    for (half, jitter, limit) in [(true, 0.0, 0.1), (false, 0.5, 0.3), (true, 0.5, 0.3)] {
+        let shot = Shot::with(|shot| (shot.half, shot.jitter) = (half, jitter));
+        expect_within(&shot, limit);
+    }
 }
 
 #[test]
@@ -129,10 +113,7 @@ fn parallel_projections_are_told_apart() {
 
 #[test]
 fn distance_along_the_ray_is_told_from_planar_depth() {
-    let shot = Shot {
-        ray: true,
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| shot.ray = true);
     let found = expect_within(&shot, 0.02);
     expect_focal(&found, 380.0, 2e-3);
     assert_eq!(found.depth_kind, DepthKind::Ray);
@@ -140,27 +121,21 @@ fn distance_along_the_ray_is_told_from_planar_depth() {
 
 #[test]
 fn crops_and_tall_pixels_keep_the_camera() {
-    let cropped = Shot {
-        data: Window::at(40, 30, 200, 170),
-        ..Shot::default()
-    };
+    let cropped = Shot::with(|shot| shot.data = Window::at(40, 30, 200, 170));
     expect_focal(&expect_within(&cropped, 0.03), 380.0, 5e-3);
     let eye = DVec3::new(1.0, -6.0, 2.5);
-    let tall = Shot {
-        camera: perspective(eye, 380.0, Window::from_size(320, 240), 2.0),
-        aspect: 2.0,
-        ..Shot::default()
-    };
+    let tall = Shot::with(|shot| {
+        (shot.camera, shot.aspect) = (
+            perspective(eye, 380.0, Window::from_size(320, 240), 2.0),
+            2.0,
+        )
+    });
     expect_focal(&expect_within(&tall, 0.03), 380.0, 5e-3);
 }
 
 #[test]
 fn the_same_layers_give_the_same_bits() {
-    let shot = Shot {
-        jitter: 0.5,
-        half: true,
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| (shot.jitter, shot.half) = (0.5, true));
     assert_eq!(recovered(&shot).unwrap(), recovered(&shot).unwrap());
 }
 
@@ -176,10 +151,8 @@ fn one_plane_leaves_a_turn_open() {
             };
             let failure = recovered(&shot).expect_err("guessed a camera");
             println!("{failure}");
-            assert!(matches!(
-                failure,
-                RecoveryFailure::ParallelNormals | RecoveryFailure::Undetermined { .. }
-            ));
+            use RecoveryFailure::{ParallelNormals, Undetermined};
+            assert!(matches!(failure, ParallelNormals | Undetermined { .. }));
         }
     }
 }
@@ -211,21 +184,17 @@ fn depth_that_is_none_is_refused() {
 fn bad_layers_fail_without_panic() {
     for value in [0.0, 1.0, -1.0, f32::NAN, f32::INFINITY, 1e-30, f32::MAX] {
         for (w, h) in [(0, 0), (1, 1), (1, 90), (2, 2), (64, 64)] {
-            let shot = Shot {
-                data: Window::from_size(w, h),
-                display: Window::from_size(w, h),
-                ..Shot::default()
-            };
+            let shot = Shot::with(|shot| {
+                (shot.data, shot.display) = (Window::from_size(w, h), Window::from_size(w, h))
+            });
             for (x, depth) in [(value, 1.0), (1.0, value), (value, value)] {
                 let layers = Layers {
-                    normal: vectors(w, h, |_, _| DVec3::new(x.into(), 0.0, 0.0)),
+                    normal: Vector3Planes::from_fn(w, h, |_, _| DVec3::new(x.into(), 0.0, 0.0)),
                     depth: Plane::filled(w, h, depth),
                     mask: Mask::full(w, h),
                 };
-                assert!(
-                    recovered_from(&shot, &layers).is_err(),
-                    "{value} in {w}x{h}"
-                );
+                let is_refused = recovered_from(&shot, &layers).is_err();
+                assert!(is_refused, "{value} in {w}x{h}");
             }
         }
     }
@@ -237,17 +206,14 @@ fn stray_values_and_an_empty_mask_do_no_harm() {
     let mut layers = layers_of(&shot);
     strew(&mut layers.depth, 5, 37);
     strew(&mut layers.normal.z, 5, 41);
-    let found = recovered_from(&shot, &layers)
-        .unwrap()
-        .camera
-        .view_from_world;
-    let truth = shot.camera.view_from_world.matrix3;
-    assert!(turn_deg(found.matrix3, truth) < 0.05);
+    let found = recovered_from(&shot, &layers).unwrap();
+    assert!(turn_between(&found.camera, &shot.camera) < 0.05);
     layers.mask = Mask::new(Plane::filled(320, 240, false));
     let failure = recovered_from(&shot, &layers);
+    let failure = failure.unwrap_err();
     assert!(matches!(
         failure,
-        Err(RecoveryFailure::TooFewPatches { found: 0, .. })
+        RecoveryFailure::TooFewPatches { found: 0, .. }
     ));
 }
 
@@ -255,10 +221,7 @@ fn stray_values_and_an_empty_mask_do_no_harm() {
 fn a_long_lens_is_still_a_camera() {
     let eye = DVec3::new(16.0, -96.0, 40.0);
     let camera = perspective(eye, 6400.0, Window::from_size(320, 240), 1.0);
-    let shot = Shot {
-        camera,
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| shot.camera = camera);
     expect_focal(&expect_within(&shot, 0.05), 6400.0, 0.01);
 }
 
@@ -268,15 +231,13 @@ fn panoramas_are_refused() {
     let seen = panorama(w, h);
     let normal = |x, y| seen.at(x, y).map_or(DVec3::ZERO, |s| s.normal);
     let layers = Layers {
-        normal: vectors(w, h, normal),
+        normal: Vector3Planes::from_fn(w, h, normal),
         depth: seen.map(|s| s.map_or(1e10, |s| s.steps as f32)),
         mask: Mask::new(seen.map(|s| s.is_some())),
     };
-    let shot = Shot {
-        data: Window::from_size(w, h),
-        display: Window::from_size(w, h),
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| {
+        (shot.data, shot.display) = (Window::from_size(w, h), Window::from_size(w, h))
+    });
     let failure = recovered_from(&shot, &layers).expect_err("fitted a panorama");
     println!("{failure}");
 }
@@ -291,7 +252,7 @@ fn a_ball_before_a_wall_tells_parallel_lines_of_sight_from_perspective() {
         let square = 1.0 - x * x - y * y;
         (square > 0.0).then(|| DVec3::new(x, y, square.sqrt()))
     };
-    let normal = vectors(96, 96, |x, y| ball(x, y).unwrap_or(DVec3::Z));
+    let normal = Vector3Planes::from_fn(96, 96, |x, y| ball(x, y).unwrap_or(DVec3::Z));
     let depth = Plane::from_fn(96, 96, |x, y| ball(x, y).map_or(4.0, |n| 3.0 - n.z as f32));
     let mask = Mask::full(96, 96);
     let found = recover_camera_from_depth(&normal, &depth, &mask, display, display, 1.0).unwrap();
@@ -313,25 +274,12 @@ fn depth_of_a_nearly_flat_surface_is_taken_for_what_it_is() {
         (0.02 * x.sin() * y.sin(), normal)
     };
     let depth = Plane::from_fn(96, 96, |x, y| (10.0 - waves(x, y).0) as f32);
-    let normal = vectors(96, 96, |x, y| waves(x, y).1);
+    let normal = Vector3Planes::from_fn(96, 96, |x, y| waves(x, y).1);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flat.exr");
-    let channels = [
-        ("N.X", &normal.x),
-        ("N.Y", &normal.y),
-        ("N.Z", &normal.z),
-        ("Z", &depth),
-    ];
-    Part::of(channels).write(&path);
-    let inputs = Inputs {
-        picture: path,
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        projection: true,
-        ..Needs::default()
-    };
-    let loaded = load(&inputs, needs).unwrap();
+    let Vector3Planes { x, y, z } = &normal;
+    Part::of([("N.X", x), ("N.Y", y), ("N.Z", z), ("Z", &depth)]).write(&path);
+    let loaded = load(path, |_, needs| needs.projection = true);
     assert_eq!(loaded.conventions.depth_kind, Some(StoredDepth::Planar));
     let camera = loaded.frame.camera.unwrap();
     let is_parallel = matches!(camera.projection, Projection::Orthographic { .. });
@@ -341,11 +289,8 @@ fn depth_of_a_nearly_flat_surface_is_taken_for_what_it_is() {
 #[test]
 fn scattered_depth_is_told_from_samples_within_their_pixels() {
     let scattered = |jitter| {
-        let shot = Shot {
-            jitter,
-            ..Shot::default()
-        };
-        recovered(&shot).unwrap().is_scattered
+        let found = recovered(&Shot::with(|shot| shot.jitter = jitter));
+        found.unwrap().is_scattered
     };
     // Uniform over a pixel, and over three: standard deviations of 0.29 and 0.87.
     assert_eq!([0.5, 1.5].map(scattered), [false, true]);

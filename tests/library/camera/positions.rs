@@ -1,7 +1,7 @@
 //! Cameras recovered from the positions of small scenes.
 
 use super::measure::{expect_rotation, focal, turn_between, turn_deg};
-use super::planes::{strew, vectors};
+use super::planes::strew;
 use super::shots::{Numbers, Scene, Shot, panorama, perspective};
 use glam::{DAffine3, DVec3};
 use relievo::frame::{Mask, Plane, Projection, Vector3Planes, Window};
@@ -13,7 +13,7 @@ fn positions(shot: &Shot) -> (Vector3Planes, Mask) {
     let mut points = shot.seen_jittered(&mut numbers).map(|s| s.map(|s| s.point));
     mix(shot.mixed, points.samples_mut(), &mut numbers);
     let stored = |p: DVec3| (p + shot.offset).map(|v| shot.stored(v));
-    let position = vectors(points.width(), points.height(), |x, y| {
+    let position = Vector3Planes::from_fn(points.width(), points.height(), |x, y| {
         points.at(x, y).map_or(DVec3::ZERO, stored)
     });
     (position, Mask::new(points.map(|p| p.is_some())))
@@ -67,39 +67,24 @@ fn exact_positions_give_the_exact_camera() {
 
 #[test]
 fn the_same_positions_give_the_same_bits() {
-    let shot = Shot {
-        jitter: 0.5,
-        mixed: 0.1,
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| (shot.jitter, shot.mixed) = (0.5, 0.1));
     assert_eq!(recovered(&shot).unwrap(), recovered(&shot).unwrap());
 }
 
 #[test]
 fn half_floats_and_jitter_cost_hundredths_of_a_degree() {
-    let half = Shot {
-        half: true,
-        ..Shot::default()
-    };
-    expect_within(&half, 0.01);
-    let jitter = Shot {
-        jitter: 0.5,
-        ..half.clone()
-    };
-    expect_within(&jitter, 0.02);
-    let mixed = Shot {
-        mixed: 0.1,
-        ..jitter
-    };
-    expect_within(&mixed, 0.02);
+    let mut shot = Shot::with(|shot| shot.half = true);
+    expect_within(&shot, 0.01);
+    shot.jitter = 0.5;
+    expect_within(&shot, 0.02);
+    shot.mixed = 0.1;
+    expect_within(&shot, 0.02);
 }
 
 #[test]
 fn scenes_far_from_the_origin_keep_their_camera() {
-    let far = |distance: f64, half: bool| Shot {
-        offset: DVec3::new(0.8, 0.6, 0.0) * distance,
-        half,
-        ..Shot::default()
+    let far = |distance: f64, half: bool| {
+        Shot::with(|shot| (shot.offset, shot.half) = (DVec3::new(0.8, 0.6, 0.0) * distance, half))
     };
     // Half floats are 1/16 of a unit apart at 100 units, and half a unit at 1000.
     expect_within(&far(100.0, true), 0.03);
@@ -110,29 +95,19 @@ fn scenes_far_from_the_origin_keep_their_camera() {
 
 #[test]
 fn a_plane_gives_its_camera_where_it_recedes() {
-    let shot = Shot {
-        scene: Scene::Ground,
-        ..Shot::default()
-    };
+    let mut shot = Shot::with(|shot| shot.scene = Scene::Ground);
     let found = expect_within(&shot, 1e-3);
     assert!((focal(&found.camera) - 380.0).abs() < 0.05);
-    let rough = Shot {
-        jitter: 0.5,
-        half: true,
-        ..shot
-    };
-    expect_within(&rough, 0.1);
+    (shot.jitter, shot.half) = (0.5, true);
+    expect_within(&shot, 0.1);
 }
 
 #[test]
 fn planes_from_many_sides_keep_the_eye_in_front() {
     // A reversed eye behind the plane fits as well: which of the two is met first is chance.
     for seed in 0..16 {
-        let shot = Shot {
-            scene: Scene::Ground,
-            mixed: 0.0,
-            ..random_shot(seed)
-        };
+        let mut shot = random_shot(seed);
+        (shot.scene, shot.mixed) = (Scene::Ground, 0.0);
         match recovered(&shot) {
             Ok(found) => {
                 let turn = turn_between(&found.camera, &shot.camera);
@@ -145,17 +120,13 @@ fn planes_from_many_sides_keep_the_eye_in_front() {
 
 #[test]
 fn a_plane_seen_square_on_leaves_the_camera_open() {
-    let mut shot = Shot {
-        scene: Scene::Ground,
-        jitter: 0.5,
-        ..Shot::default()
-    };
+    let mut shot = Shot::with(|shot| shot.scene = Scene::Ground);
     shot.camera.view_from_world = DAffine3::from_translation(DVec3::new(0.0, 0.0, -6.0));
-    let failure = recovered(&shot).expect_err("guessed a camera");
-    assert_eq!(failure, RecoveryFailure::CoplanarUndetermined);
-    shot.jitter = 0.0;
-    let failure = recovered(&shot).expect_err("guessed a camera");
-    assert_eq!(failure, RecoveryFailure::CoplanarUndetermined);
+    for jitter in [0.5, 0.0] {
+        shot.jitter = jitter;
+        let failure = recovered(&shot).expect_err("guessed a camera");
+        assert_eq!(failure, RecoveryFailure::CoplanarUndetermined);
+    }
 }
 
 #[test]
@@ -186,56 +157,34 @@ fn parallel_projections_are_told_apart() {
 fn a_long_lens_is_still_a_perspective() {
     let display = Window::from_size(320, 240);
     let eye = DVec3::new(16.0, -96.0, 40.0);
-    let shot = Shot {
-        camera: perspective(eye, 6400.0, display, 1.0),
-        jitter: 0.5,
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| {
+        (shot.camera, shot.jitter) = (perspective(eye, 6400.0, display, 1.0), 0.5)
+    });
     let found = expect_within(&shot, 0.05);
     assert!((focal(&found.camera) / 6400.0 - 1.0).abs() < 0.02);
 }
 
 #[test]
 fn a_wide_lens_is_found() {
-    let shot = Shot {
-        camera: perspective(
-            DVec3::new(0.6, -2.2, 1.5),
-            130.0,
-            Window::from_size(320, 240),
-            1.0,
-        ),
-        jitter: 0.5,
-        half: true,
-        mixed: 0.1,
-        ..Shot::default()
-    };
+    let (eye, window) = (DVec3::new(0.6, -2.2, 1.5), Window::from_size(320, 240));
+    let mut shot = Shot::with(|shot| shot.camera = perspective(eye, 130.0, window, 1.0));
+    (shot.jitter, shot.half, shot.mixed) = (0.5, true, 0.1);
     expect_within(&shot, 0.03);
 }
 
 #[test]
 fn crops_and_tall_pixels_keep_the_camera() {
-    let cropped = Shot {
-        data: Window::at(40, -30, 200, 210),
-        ..Shot::default()
-    };
+    let cropped = Shot::with(|shot| shot.data = Window::at(40, -30, 200, 210));
     expect_within(&cropped, 1e-3);
-    let display = Window::at(-100, -50, 320, 240);
-    let moved = Shot {
-        camera: perspective(DVec3::new(1.0, -6.0, 2.5), 380.0, display, 1.0),
-        data: Window::at(-120, -60, 360, 260),
-        display,
-        ..Shot::default()
-    };
+    let eye = DVec3::new(1.0, -6.0, 2.5);
+    let mut moved = Shot::with(|shot| shot.display = Window::at(-100, -50, 320, 240));
+    moved.camera = perspective(eye, 380.0, moved.display, 1.0);
+    moved.data = Window::at(-120, -60, 360, 260);
     expect_within(&moved, 1e-3);
     for aspect in [1.5, 2.0] {
-        let window = Window::from_size(320, 240);
-        let shot = Shot {
-            camera: perspective(DVec3::new(1.0, -6.0, 2.5), 380.0, window, aspect),
-            aspect,
-            jitter: 0.5,
-            half: true,
-            ..Shot::default()
-        };
+        let mut shot = Shot::with(|shot| shot.aspect = aspect);
+        shot.camera = perspective(eye, 380.0, shot.display, aspect);
+        (shot.jitter, shot.half) = (0.5, true);
         expect_within(&shot, 0.03);
         expect_within(&Shot::parallel(aspect), 1e-3);
     }
@@ -244,12 +193,8 @@ fn crops_and_tall_pixels_keep_the_camera() {
 #[test]
 fn lens_shift_is_found_where_it_shows() {
     let mut shot = Shot::default();
-    shot.camera.projection = Projection::Perspective {
-        fx: 380.0,
-        fy: 380.0,
-        cx: 190.0,
-        cy: 100.0,
-    };
+    let [fx, fy, cx, cy] = [380.0, 380.0, 190.0, 100.0];
+    shot.camera.projection = Projection::Perspective { fx, fy, cx, cy };
     let found = expect_within(&shot, 1e-2);
     let Projection::Perspective { cx, cy, .. } = found.camera.projection else {
         panic!("parallel")
@@ -259,10 +204,7 @@ fn lens_shift_is_found_where_it_shows() {
 
 #[test]
 fn a_left_handed_world_is_seen_in_a_mirror() {
-    let shot = Shot {
-        jitter: 0.5,
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| shot.jitter = 0.5);
     let (mut position, mask) = positions(&shot);
     position.y = position.y.map(|y| -y);
     let found = recovered_from(&shot, &position, &mask).unwrap().camera;
@@ -275,26 +217,22 @@ fn a_left_handed_world_is_seen_in_a_mirror() {
 #[test]
 fn panoramas_are_refused() {
     for (w, h) in [(256, 128), (48, 24)] {
-        let failure = panorama_failure(w, h);
-        assert!(
-            matches!(failure, RecoveryFailure::NotACamera { .. }),
-            "{failure}"
-        );
+        let seen = panorama(w, h);
+        let position =
+            Vector3Planes::from_fn(w, h, |x, y| seen.at(x, y).map_or(DVec3::ZERO, |s| s.point));
+        let window = Window::from_size(w, h);
+        let mask = Mask::new(seen.map(|s| s.is_some()));
+        let found = recover_camera(&position, &mask, window, window, 1.0);
+        let failure = found.expect_err("fitted a panorama");
+        let is_named = matches!(failure, RecoveryFailure::NotACamera { .. });
+        assert!(is_named, "{failure}");
     }
-}
-
-fn panorama_failure(w: usize, h: usize) -> RecoveryFailure {
-    let seen = panorama(w, h);
-    let position = vectors(w, h, |x, y| seen.at(x, y).map_or(DVec3::ZERO, |s| s.point));
-    let window = Window::from_size(w, h);
-    let mask = Mask::new(seen.map(|s| s.is_some()));
-    recover_camera(&position, &mask, window, window, 1.0).expect_err("fitted a panorama")
 }
 
 #[test]
 fn bad_positions_fail_without_panic() {
     let uniform = |w: usize, h: usize, value: f32| {
-        let position = vectors(w, h, |_, _| DVec3::splat(value.into()));
+        let position = Vector3Planes::from_fn(w, h, |_, _| DVec3::splat(value.into()));
         let window = Window::from_size(w, h);
         recover_camera(&position, &Mask::full(w, h), window, window, 1.0)
     };
@@ -319,10 +257,7 @@ fn an_empty_mask_and_stray_values_do_no_harm() {
 
 #[test]
 fn a_single_row_of_pixels_is_never_misread() {
-    let shot = Shot {
-        data: Window::at(0, 120, 320, 1),
-        ..Shot::default()
-    };
+    let shot = Shot::with(|shot| shot.data = Window::at(0, 120, 320, 1));
     if let Ok(found) = recovered(&shot) {
         assert!(turn_between(&found.camera, &shot.camera) < 0.1, "{found:?}");
     }

@@ -2,18 +2,19 @@
 //!
 //! The renders are not part of this crate: if their folder is absent, these tests print a notice and pass.
 
-use super::measure::{focal, turn_between};
-use super::planes::{mapped, vector_at};
+use super::measure::{focal, turn_between, turn_deg};
+use super::planes::mapped;
+use crate::common::files::load;
+use crate::common::program::fixture;
 use crate::common::real_files::real;
-use glam::{DAffine3, DVec3};
+use glam::{DMat3, DVec3};
 use relievo::frame::{Camera, Mask, Plane, Vector3Planes, Window};
 use relievo::io::camera::{
     DepthCamera, RecoveredCamera, RecoveryFailure, read_camera, recover_camera,
     recover_camera_from_depth,
 };
 use relievo::io::exr::{ExrFile, Limits};
-use relievo::io::inputs::{Inputs, StoredDepth};
-use relievo::io::{Needs, load};
+use relievo::io::inputs::StoredDepth;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -30,20 +31,17 @@ pub(crate) fn pictures() -> impl Iterator<Item = Render> {
 
 fn renders(wanted: impl Fn(&Path) -> bool) -> impl Iterator<Item = Render> {
     let folders = [real("renders"), real("renders/seq")];
-    let mut files: Vec<PathBuf> = folders
+    let folders = folders
         .iter()
         .flatten()
-        .filter_map(|f| std::fs::read_dir(f).ok())
+        .filter_map(|f| std::fs::read_dir(f).ok());
+    let files = folders
         .flatten()
-        .filter_map(|entry| entry.ok().map(|e| e.path()))
-        .filter(|path| path.extension().is_some_and(|e| e == "exr"))
-        .collect();
+        .filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<PathBuf> = files.collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "exr") && wanted(path));
     files.sort();
-    files.retain(|path| wanted(path));
-    files.into_iter().map(|path| Render {
-        file: ExrFile::open(&path, &Limits::default()).expect("a readable render"),
-        path,
-    })
+    files.into_iter().map(Render::open)
 }
 
 fn is_panorama(path: &Path) -> bool {
@@ -51,6 +49,11 @@ fn is_panorama(path: &Path) -> bool {
 }
 
 impl Render {
+    fn open(path: PathBuf) -> Self {
+        let file = ExrFile::open(&path, &Limits::default()).expect("a readable render");
+        Self { path, file }
+    }
+
     /// The first channels whose names end in these.
     fn channels<const N: usize>(&self, ends: [&str; N]) -> Option<[Plane; N]> {
         let mut ids = Vec::new();
@@ -78,12 +81,9 @@ impl Render {
         if let Some(depth) = self.depth() {
             return Mask::new(depth.map(|d| d < 1e9));
         }
-        let seen = |x: usize, y: usize| vector_at(position, x, y) != DVec3::ZERO;
-        Mask::new(Plane::from_fn(
-            position.x.width(),
-            position.x.height(),
-            seen,
-        ))
+        let seen = |x: usize, y: usize| position.at(x, y) != DVec3::ZERO;
+        let (width, height) = (position.x.width(), position.x.height());
+        Mask::new(Plane::from_fn(width, height, seen))
     }
 
     pub(crate) fn data_window(&self) -> Window {
@@ -220,25 +220,16 @@ fn view_space_normals_come_out_unturned() {
         let truth = render.camera().expect("a camera beside the render");
         let view = mapped(&world, |n| truth.view_from_world.matrix3 * n);
         let mask = render.mask(&view);
-        let found = render
-            .recovered_from_depth(&view, &depth, &mask)
-            .expect("a camera");
-        let unturned = Camera {
-            view_from_world: DAffine3::IDENTITY,
-            ..found.camera
-        };
-        let turn = turn_between(&found.camera, &unturned);
+        let found = render.recovered_from_depth(&view, &depth, &mask);
+        let turn = found.expect("a camera").camera.view_from_world.matrix3;
+        let turn = turn_deg(turn, DMat3::IDENTITY);
         assert!(turn < 1.0, "{}: {turn} degrees", render.path.display());
     }
 }
 
 #[test]
 fn positions_that_scatter_out_of_focus_give_the_camera_between_them() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/blur.exr");
-    let render = Render {
-        file: ExrFile::open(&path, &Limits::default()).expect("a readable render"),
-        path,
-    };
+    let render = Render::open(fixture("blur.exr"));
     let position = render.vector("Position").expect("positions");
     let (width, height) = (position.x.width(), position.x.height());
     let window = Window::from_size(width, height);
@@ -256,11 +247,7 @@ fn positions_that_scatter_out_of_focus_give_the_camera_between_them() {
 
 #[test]
 fn depth_out_of_focus_is_known_by_its_positions() {
-    let inputs = Inputs {
-        picture: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/blur.exr"),
-        ..Inputs::default()
-    };
     // Normals averaged over the lens lie 8 degrees off the tangents of its points, which would leave depth relative.
-    let loaded = load(&inputs, Needs::default()).expect("a readable render");
+    let loaded = load(fixture("blur.exr"), |_, _| ());
     assert_eq!(loaded.conventions.depth_kind, Some(StoredDepth::Planar));
 }

@@ -1,5 +1,6 @@
 //! Pictures of small scenes, by cameras that are known.
 
+use crate::common::default_but;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use half::f16;
 use relievo::frame::{Camera, Plane, Projection, Window};
@@ -95,6 +96,13 @@ impl Default for Shot {
     }
 }
 
+impl Shot {
+    /// The usual one, with this change.
+    pub(crate) fn with(change: impl FnOnce(&mut Self)) -> Self {
+        default_but(change)
+    }
+}
+
 /// The rotation and translation of an eye that looks at the balls with z up.
 pub(crate) fn looking(eye: DVec3) -> DAffine3 {
     let back = (eye - DVec3::new(0.3, 0.2, 0.7)).normalize();
@@ -104,40 +112,26 @@ pub(crate) fn looking(eye: DVec3) -> DAffine3 {
 }
 
 pub(crate) fn perspective(eye: DVec3, focal: f64, display: Window, aspect: f64) -> Camera {
-    let middle = middle(display);
+    let [cx, cy] = middle(display).to_array();
+    let (fx, fy) = (focal, focal * aspect);
     Camera {
         view_from_world: looking(eye),
-        projection: Projection::Perspective {
-            fx: focal,
-            fy: focal * aspect,
-            cx: middle.x,
-            cy: middle.y,
-        },
+        projection: Projection::Perspective { fx, fy, cx, cy },
     }
 }
 
 fn middle(window: Window) -> DVec2 {
-    let sum = DVec2::new(
-        f64::from(window.x0) + f64::from(window.x1),
-        f64::from(window.y0) + f64::from(window.y1),
-    );
-    0.5 * sum
+    let Window { x0, y0, x1, y1 } = window;
+    0.5 * DVec2::new((x0 + x1).into(), (y0 + y1).into())
 }
 
 impl Shot {
     /// The scene in parallel sight lines, 60 pixel widths per unit.
     pub(crate) fn parallel(aspect: f64) -> Self {
-        let mut shot = Shot {
-            aspect,
-            ..Shot::default()
-        };
-        let middle = middle(shot.display);
-        shot.camera.projection = Projection::Orthographic {
-            sx: 60.0,
-            sy: 60.0 * aspect,
-            cx: middle.x,
-            cy: middle.y,
-        };
+        let mut shot = Shot::with(|shot| shot.aspect = aspect);
+        let [cx, cy] = middle(shot.display).to_array();
+        let (sx, sy) = (60.0, 60.0 * aspect);
+        shot.camera.projection = Projection::Orthographic { sx, sy, cx, cy };
         shot
     }
 
@@ -177,10 +171,9 @@ impl Shot {
 
     /// A value rounded to the precision of its storage.
     pub(crate) fn stored(&self, value: f64) -> f64 {
-        if self.half {
-            f16::from_f64(value).to_f64()
-        } else {
-            value
+        match self.half {
+            true => f16::from_f64(value).to_f64(),
+            false => value,
         }
     }
 }

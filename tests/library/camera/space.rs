@@ -1,6 +1,6 @@
 //! Which space normals are in: of a ball whose camera is known, of real renders, of photographs.
 
-use super::planes::{mapped, vectors};
+use super::planes::mapped;
 use super::renders::{Render, pictures};
 use crate::common::real_files::real;
 use glam::{DAffine3, DMat3, DVec3};
@@ -17,10 +17,8 @@ const VIEW: NormalSpaceConclusion = certain(NormalSpace::View, false);
 const VIEW_FLIPPED: NormalSpaceConclusion = certain(NormalSpace::View, true);
 
 const fn certain(space: NormalSpace, flip_z: bool) -> NormalSpaceConclusion {
-    let flip = Flip {
-        z: flip_z,
-        ..Flip::NONE
-    };
+    let mut flip = Flip::NONE;
+    flip.z = flip_z;
     NormalSpaceConclusion::Certain(NormalReading { space, flip })
 }
 
@@ -70,20 +68,16 @@ impl Surface {
 }
 
 fn field(at: impl Fn(usize, usize) -> DVec3) -> Vector3Planes {
-    vectors(SIDE, SIDE, at)
+    Vector3Planes::from_fn(SIDE, SIDE, at)
 }
 
 /// A ball under a camera whose tilt of 90 looks along the world's +y with z up, 0 straight down.
 fn ball(tilt_deg: f64) -> Surface {
     let turn = DMat3::from_rotation_x(-tilt_deg.to_radians());
+    let [sx, sy, cx, cy] = [40.0, 40.0, 48.0, 48.0];
     let camera = Camera {
         view_from_world: DAffine3::from_mat3_translation(turn, DVec3::new(0.0, 0.0, -5.0)),
-        projection: Projection::Orthographic {
-            sx: 40.0,
-            sy: 40.0,
-            cx: 48.0,
-            cy: 48.0,
-        },
+        projection: Projection::Orthographic { sx, sy, cx, cy },
     };
     let view = |x: usize, y: usize| {
         let (u, v) = ((x as f64 - 47.5) / 40.0, (47.5 - y as f64) / 40.0);
@@ -113,10 +107,8 @@ fn each_reading_is_told_with_every_kind_of_evidence() {
     }
     assert_eq!(ball.concluded(&view, &[]), VIEW);
     assert_eq!(ball.concluded(&flipped, &[]), VIEW_FLIPPED);
-    assert_eq!(
-        ball.concluded(&ball.normal, &[]),
-        NormalSpaceConclusion::WorldWithoutCamera
-    );
+    let alone = ball.concluded(&ball.normal, &[]);
+    assert_eq!(alone, NormalSpaceConclusion::WorldWithoutCamera);
     assert_eq!(ball.concluded(&ball.normal, &[By::Position]), WORLD);
 }
 
@@ -158,10 +150,8 @@ fn depth_settles_what_facing_leaves_open() {
         assert_eq!(ball.concluded(&view, &[By::Depth]), expected);
         assert_eq!(ball.concluded(&view, &[By::Depth, By::Camera]), expected);
     }
-    assert_eq!(
-        ball.concluded(&ball.normal, &[By::Depth, By::Camera]),
-        WORLD
-    );
+    let by_both = ball.concluded(&ball.normal, &[By::Depth, By::Camera]);
+    assert_eq!(by_both, WORLD);
     // As stored, ground normals all face the viewer, but depth shows that the ground recedes.
     let up = field(|_, _| DVec3::Z);
     let alone = ball.concluded(&up, &[By::Depth]);
@@ -208,7 +198,7 @@ fn nothing_to_judge_is_undecided() {
     let up = field(|_, _| DVec3::Z);
     let verdict = judge_normal_space(&up, &empty, None, None, None, window);
     assert_eq!(verdict.conclusion, NormalSpaceConclusion::Ambiguous);
-    let single = vectors(1, 1, |_, _| DVec3::ONE);
+    let single = Vector3Planes::from_fn(1, 1, |_, _| DVec3::ONE);
     let (mask, window) = (Mask::full(1, 1), Window::from_size(1, 1));
     judge_normal_space(&single, &mask, Some(&single), Some(&single.x), None, window);
 }
@@ -219,10 +209,9 @@ fn misjudged(
     normal: &Vector3Planes,
     truth: NormalSpaceConclusion,
 ) -> Vec<String> {
-    let blind = if truth == WORLD {
-        NormalSpaceConclusion::WorldWithoutCamera
-    } else {
-        truth
+    let blind = match truth == WORLD {
+        true => NormalSpaceConclusion::WorldWithoutCamera,
+        false => truth,
     };
     // Facing alone may leave a view-space guess open, but must not be confidently wrong.
     let judgements = [
@@ -282,14 +271,13 @@ fn normals_of_renders_are_judged_right() {
 
 #[test]
 fn photographed_normal_maps_are_view_space() {
-    let names = [
-        "rgbn/Bricks102_1K-JPG_NormalGL.jpg",
-        "rgbn/rock058_1k_NormalGL.jpg",
-    ];
-    for path in names.into_iter().filter_map(real) {
+    for name in ["Bricks102_1K-JPG", "rock058_1k"] {
+        let Some(path) = real(&format!("rgbn/{name}_NormalGL.jpg")) else {
+            continue;
+        };
         let picture = image::open(&path).expect("a readable picture").to_rgb8();
         let (w, h) = (picture.width() as usize, picture.height() as usize);
-        let normal = vectors(w, h, |x, y| {
+        let normal = Vector3Planes::from_fn(w, h, |x, y| {
             let rgb = picture.get_pixel(x as u32, y as u32).0;
             DVec3::from(rgb.map(|c| f64::from(c) / 127.5 - 1.0))
         });

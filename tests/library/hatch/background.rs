@@ -28,22 +28,16 @@ impl BallOnFloor {
     const AWAY: f64 = 4.0;
 
     fn ray(x: usize, y: usize) -> DVec3 {
-        DVec3::new(
-            (x as f64 - 159.5) / FOCAL,
-            (HORIZON - y as f64 - 0.5) / FOCAL,
-            -1.0,
-        )
+        let [x, y] = [x as f64 - 159.5, HORIZON - y as f64 - 0.5];
+        DVec3::new(x / FOCAL, y / FOCAL, -1.0)
     }
 
     /// The distance along the view at a pixel, and the normal there, of the ball.
     fn ball(&self, x: usize, y: usize) -> Option<(f64, DVec3)> {
         let (ray, radius) = (Self::ray(x, y), Self::RADIUS);
         let middle = DVec3::new(0.0, radius + self.lifted - 1.0, -Self::AWAY);
-        let (a, b, c) = (
-            ray.length_squared(),
-            ray.dot(middle),
-            middle.length_squared() - radius * radius,
-        );
+        let (a, b) = (ray.length_squared(), ray.dot(middle));
+        let c = middle.length_squared() - radius * radius;
         let root = b * b - a * c;
         let depth = (root > 0.0).then(|| (b - root.sqrt()) / a)?;
         Some((depth, (depth * ray - middle) / radius))
@@ -68,25 +62,16 @@ impl BallOnFloor {
 
     fn frame(&self) -> Frame {
         let [width, height] = SIZE;
-        let depth = Plane::from_fn(width, height, |x, y| {
-            self.seen(x, y).map_or(0.0, |(depth, _)| depth as f32)
-        });
-        let normal = Vector3Planes::from_fn(width, height, |x, y| {
-            self.seen(x, y).map_or(DVec3::ZERO, |(_, normal)| normal)
-        });
-        let mask = Mask::new(Plane::from_fn(width, height, |x, y| {
-            self.seen(x, y).is_some()
-        }));
+        let seen = Plane::from_fn(width, height, |x, y| self.seen(x, y));
+        let normal = |x, y| seen.at(x, y).map_or(DVec3::ZERO, |(_, normal)| normal);
+        let normal = Vector3Planes::from_fn(width, height, normal);
+        let mask = Mask::new(seen.map(|seen| seen.is_some()));
+        let [fx, fy, cx, cy] = [FOCAL, FOCAL, 160.0, HORIZON];
         Frame {
-            depth: Some(depth),
+            depth: Some(seen.map(|seen| seen.map_or(0.0, |(depth, _)| depth as f32))),
             camera: Some(Camera {
                 view_from_world: DAffine3::IDENTITY,
-                projection: Projection::Perspective {
-                    fx: FOCAL,
-                    fy: FOCAL,
-                    cx: 160.0,
-                    cy: HORIZON,
-                },
+                projection: Projection::Perspective { fx, fy, cx, cy },
             }),
             ..Frame::of_normals(normal, mask)
         }
@@ -102,8 +87,7 @@ impl BallOnFloor {
     /// The mean ink of the floor at the pixels wanted.
     fn ink_where(&self, wanted: impl Fn(usize, usize) -> bool) -> f64 {
         let asked = asked(&self.frame(), 0.0);
-        let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
-        let inks = pixels.filter(|&(x, y)| {
+        let inks = places(SIZE[0], SIZE[1]).filter(|&(x, y)| {
             let is_other = self.ball(x, y).or(Self::wall(x, y)).is_some();
             self.floor(x, y).is_some() && !is_other && wanted(x, y)
         });
@@ -115,19 +99,14 @@ impl BallOnFloor {
 
 #[test]
 fn a_floor_is_paper_but_for_where_a_ball_stands_on_it() {
-    let stands = BallOnFloor {
-        lifted: 0.0,
-        bumps: 0.0,
-    };
+    let ball = |lifted, bumps| BallOnFloor { lifted, bumps };
+    let stands = ball(0.0, 0.0);
     let contact = stands.ink(|away| away < H / 60.0);
     assert!(contact >= 0.5, "{contact}");
     // The ball is 2 * 300 / 4 * .7 = 106 pixels high.
     let lit = stands.ink(|away| away > 106.0 + H / 6.0);
     assert!(lit <= 0.02, "{lit}");
-    let bumpy = BallOnFloor {
-        bumps: 0.01,
-        ..stands
-    };
+    let bumpy = ball(0.0, 0.01);
     assert!(bumpy.ink(|away| away > 106.0 + H / 6.0) <= 0.02);
     assert!(bumpy.ink(|away| away < H / 60.0) >= 0.5);
     // Three times as far away all is a quarter as large, and has a quarter of its ink: .22 exp(-d / 1.26) before the wall, at
@@ -135,11 +114,7 @@ fn a_floor_is_paper_but_for_where_a_ball_stands_on_it() {
     let far = stands.ink_where(|x, y| (222..248).contains(&x) && (67..73).contains(&y));
     assert!(far <= 0.03, "{far}");
     // By half its radius.
-    let floats = BallOnFloor {
-        lifted: 0.35,
-        bumps: 0.0,
-    };
-    let below = floats.ink(|away| away < H / 60.0);
+    let below = ball(0.35, 0.0).ink(|away| away < H / 60.0);
     assert!(below <= 0.05, "{below}");
 }
 
@@ -147,16 +122,13 @@ fn a_floor_is_paper_but_for_where_a_ball_stands_on_it() {
 fn a_relief_that_fills_the_frame_keeps_its_ink() {
     // Waves of a thousandth of the distance in a wall: every pixel is near its plane, which then is the subject.
     let height = |x: f64| 4.0 * (0.1 * x).sin();
+    let normal =
+        |x: usize, _: usize| DVec3::new(-0.4 * (0.1 * x as f64).cos(), 0.0, 1.0).normalize();
+    let normal = Vector3Planes::from_fn(240, 200, normal);
+    let depth = |x: usize, _: usize| (4000.0 - height(x as f64)) as f32;
     let frame = bare(Frame {
-        depth: Some(Plane::from_fn(240, 200, |x, _| {
-            (4000.0 - height(x as f64)) as f32
-        })),
-        ..Frame::of_normals(
-            Vector3Planes::from_fn(240, 200, |x, _| {
-                DVec3::new(-0.4 * (0.1 * x as f64).cos(), 0.0, 1.0).normalize()
-            }),
-            Mask::full(240, 200),
-        )
+        depth: Some(Plane::from_fn(240, 200, depth)),
+        ..Frame::of_normals(normal, Mask::full(240, 200))
     });
     let ink = |background| -> f32 {
         let asked = asked_before(&frame, 0.0, background);

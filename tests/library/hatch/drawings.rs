@@ -5,20 +5,18 @@ use glam::DVec3;
 use relievo::params::{ContourParams, Fallback, StrokeDirections};
 use relievo::scenes::Surface;
 
-fn cylinder(axis: DVec3) -> Frame {
-    let surface = Surface::cylinder(180.0, axis);
+/// A surface in the middle of a square, its picture of this grey.
+fn seen(surface: Surface, side: usize, luminance: f32) -> Frame {
+    let middle = side as f64 / 2.0;
     grey(
-        ExactScene::orthographic(surface, 256.0, 256.0).frame(512, 512),
-        0.5,
+        ExactScene::orthographic(surface, middle, middle).frame(side, side),
+        luminance,
     )
 }
 
 fn along(directions: StrokeDirections) -> LineParams {
-    let mut line = straight(LineParams {
-        directions,
-        contours: None,
-        ..LineParams::default()
-    });
+    let mut line = straight(LineParams::default());
+    (line.directions, line.contours) = (directions, None);
     // Levels every 15 degrees, ruled.
     line.strokes.style = Style::Pen;
     line.strokes.levels = 12;
@@ -34,7 +32,7 @@ fn strokes_go_around_a_cylinder_or_along_it_as_asked() {
         (DVec3::X, 0.0),
         (DVec3::new(1.0, 1.0, 0.0), 45.0),
     ] {
-        let frame = cylinder(axis);
+        let frame = seen(Surface::cylinder(180.0, axis), 512, 0.5);
         let across = DVec3::Z.cross(axis.normalize());
         let middle = |x: usize, y: usize| {
             let from = DVec3::new(x as f64 + 0.5 - 256.0, 256.0 - y as f64 - 0.5, 0.0);
@@ -46,8 +44,9 @@ fn strokes_go_around_a_cylinder_or_along_it_as_asked() {
         ] {
             let hatching = blurred(&drawing(&frame, along(directions)).hatching);
             let found = stroke_angle(&hatching, middle);
+            let off = apart(found, expected);
             assert!(
-                apart(found, expected) < 1.0,
+                off < 1.0,
                 "{axis} {directions:?}: {found:.2} for {expected}"
             );
         }
@@ -58,11 +57,7 @@ fn strokes_go_around_a_cylinder_or_along_it_as_asked() {
 fn strokes_follow_both_families_of_a_torus() {
     // Seen along its axis: the tube's larger curvature runs outward, the lesser one around the ring.
     let (ring, tube) = (320.0, 120.0);
-    let surface = Surface::torus(ring, tube, DVec3::Z);
-    let frame = grey(
-        ExactScene::orthographic(surface, 512.0, 512.0).frame(1024, 1024),
-        0.5,
-    );
+    let frame = seen(Surface::torus(ring, tube, DVec3::Z), 1024, 0.5);
     let polar = |x: usize, y: usize| {
         let (x, y) = (x as f64 + 0.5 - 512.0, 512.0 - y as f64 - 0.5);
         (x.hypot(y), y.atan2(x).to_degrees())
@@ -83,49 +78,39 @@ fn strokes_follow_both_families_of_a_torus() {
         // side than on the other: off by a third of a level at most, and without bias.
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         assert!(mean.abs() < 1.0, "{directions:?}: mean {mean:.2}");
-        assert!(
-            errors.iter().all(|e| e.abs() < 5.0),
-            "{directions:?}: {errors:.1?}"
-        );
+        let are_small = errors.iter().all(|e| e.abs() < 5.0);
+        assert!(are_small, "{directions:?}: {errors:.1?}");
     }
 }
 
 #[test]
 fn a_ball_is_hatched_in_parallel_and_as_asked() {
-    let scene = ExactScene::orthographic(Surface::ball(300.0), 320.0, 320.0);
-    let frame = grey(scene.frame(640, 640), 0.5);
+    let frame = seen(Surface::ball(300.0), 640, 0.5);
     for angle in [45.0_f32, 120.0] {
         let mut line = along(StrokeDirections::Max);
         line.field.fallback = Fallback::Angle(angle);
         let hatching = blurred(&drawing(&frame, line).hatching);
         // Everywhere on it: no swirl.
         for (left, top) in [(130, 130), (250, 250), (370, 130), (130, 370), (370, 370)] {
-            let part = |x: usize, y: usize| {
-                (left..left + 140).contains(&x) && (top..top + 140).contains(&y)
-            };
-            let found = stroke_angle(&hatching, part);
-            assert!(
-                apart(found, f64::from(angle)) < 2.0,
-                "({left}, {top}): {found:.1}"
-            );
+            let (columns, rows) = (left..left + 140, top..top + 140);
+            let found = stroke_angle(&hatching, |x, y| columns.contains(&x) && rows.contains(&y));
+            let off = apart(found, f64::from(angle));
+            assert!(off < 2.0, "({left}, {top}): {found:.1}");
         }
     }
 }
 
 #[test]
 fn tone_is_that_of_the_picture_whatever_the_strokes() {
-    let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
     for directions in [StrokeDirections::Max, StrokeDirections::Both] {
         for style in STYLES {
             for luminance in [0.05_f32, 0.2, 0.5, 0.8] {
                 let mut line = along(directions);
                 line.strokes.style = style;
-                let drawn = drawing(&grey(plane.frame(512, 512), luminance), line);
+                let drawn = drawing(&seen(Surface::plane(DVec3::Z), 512, luminance), line);
                 let error = 1.0 - mean(&drawn.hatching) - f64::from(luminance);
-                assert!(
-                    error.abs() < 0.02,
-                    "{directions:?} {style:?}: {luminance} drawn {error:+.4}"
-                );
+                let case = format!("{directions:?} {style:?}: {luminance}");
+                assert!(error.abs() < 0.02, "{case} drawn {error:+.4}");
             }
         }
     }
@@ -134,11 +119,10 @@ fn tone_is_that_of_the_picture_whatever_the_strokes() {
 #[test]
 fn lines_are_as_dark_as_they_should_be() {
     // Lines end at the rim of the ball, and there are none around its back.
-    let scene = ExactScene::orthographic(Surface::ball(200.0), 256.0, 256.0);
     for luminance in [0.3_f32, 0.5, 0.8, 0.9] {
         let mut line = along(StrokeDirections::Max);
         line.strokes.style = Style::Lines;
-        let frame = grey(scene.frame(512, 512), luminance);
+        let frame = seen(Surface::ball(200.0), 512, luminance);
         let drawn = drawing(&frame, line);
         let covered = frame.mask.count() as f64 / (512.0 * 512.0);
         let ink = mean(&drawn.hatching) / covered;
@@ -149,22 +133,20 @@ fn lines_are_as_dark_as_they_should_be() {
 
 #[test]
 fn points_and_curve_of_tone_are_kept() {
-    let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
+    let plane = |side, luminance| seen(Surface::plane(DVec3::Z), side, luminance);
     let mut line = along(StrokeDirections::Max);
-    line.tone.white_point = relievo::params::Adaptive::Fixed(2.0);
+    line.tone.white_point = Adaptive::Fixed(2.0);
     line.tone.black_point = 0.2;
     line.tone.gamma = 2.0;
     // Half of white, a fifth of it black: (0.5 - 0.2) / 0.8, and its root.
     let expected = (0.3_f64 / 0.8).sqrt();
-    let drawn = drawing(&grey(plane.frame(512, 512), 1.0), line);
+    let drawn = drawing(&plane(512, 1.0), line);
     assert!((1.0 - mean(&drawn.hatching) - expected).abs() < 0.02);
     // Paper from the white point on, black below the black point.
     for (luminance, ink) in [(2.0, 0.0), (0.39, 1.0), (-1.0, 1.0), (f32::NAN, 1.0)] {
-        let drawn = drawing(&grey(plane.frame(40, 40), luminance), line);
-        assert!(
-            drawn.hatching.samples().iter().all(|&v| v == ink),
-            "{luminance}"
-        );
+        let drawn = drawing(&plane(40, luminance), line);
+        let is_even = drawn.hatching.samples().iter().all(|&v| v == ink);
+        assert!(is_even, "{luminance}");
     }
 }
 
@@ -176,13 +158,7 @@ fn threads_change_no_bit() {
         contours: Some(ContourParams::default()),
         ..LineParams::default()
     };
-    let by = |threads, line| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| drawing(&frame, line))
-    };
+    let by = |threads, line| on_threads(threads, || drawing(&frame, line));
     let [textured, mut lines] = [line; 2];
     lines.strokes.style = Style::Lines;
     for line in [textured, lines] {
@@ -199,10 +175,7 @@ fn threads_change_no_bit() {
 #[test]
 fn a_crop_keeps_the_strokes_of_the_whole() {
     // The texture is fixed in the picture, not in the data window. On a plane nothing else has a long reach.
-    let frame = grey(
-        ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0).frame(256, 256),
-        0.5,
-    );
+    let frame = seen(Surface::plane(DVec3::Z), 256, 0.5);
     let part = relievo::frame::Window::at(100, 60, 70, 50);
     let whole = drawing(&frame, along(StrokeDirections::Max)).hatching;
     let crop = drawing(&frame.crop(part), along(StrokeDirections::Max)).hatching;

@@ -14,32 +14,17 @@ pub(super) fn asked(frame: &Frame, halo: f32) -> Plane {
 
 /// The same, with the background drawn in this way.
 pub(super) fn asked_before(frame: &Frame, halo: f32, background: Background) -> Plane {
-    let mut line = straight(LineParams {
-        contours: None,
-        interior: None,
-        ..LineParams::default()
-    });
-    line.tone.halo = halo;
-    line.tone.background = background;
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(
-        Goal::Hatch(Tone::Shape(None), line),
-        available,
-        shape,
-        scaling,
-    );
-    let outcome = Engine::cpu()
-        .execute(&plan.unwrap(), frame, Inputs::default(), &Run::new())
-        .unwrap();
-    outcome.drawing.unwrap().asked.unwrap()
+    let mut line = straight(LineParams::default());
+    (line.contours, line.interior) = (None, None);
+    (line.tone.halo, line.tone.background) = (halo, background);
+    cpu::drawn(frame, Tone::Shape(None), line).asked.unwrap()
 }
 
 /// The pixels whose tone a halo of this factor changes, and all that it leaves bare.
-fn changed(frame: &Frame, halo: f32) -> (Vec<[usize; 2]>, Plane) {
+fn changed(frame: &Frame, halo: f32) -> (HashSet<(usize, usize)>, Plane) {
     let [without, with] = [0.0, halo].map(|halo| asked(frame, halo));
-    let pixels = (0..with.height()).flat_map(|y| (0..with.width()).map(move |x| [x, y]));
-    let differs = pixels.filter(|&[x, y]| with.at(x, y) != without.at(x, y));
+    let pixels = places(with.width(), with.height());
+    let differs = pixels.filter(|&(x, y)| with.at(x, y) != without.at(x, y));
     (differs.collect(), with)
 }
 
@@ -67,21 +52,15 @@ fn a_surface_alone_bares_none_of_its_own_pixels() {
     let floor = {
         let (width, height, camera_height, focal) = (200, 200, 1.6, 240.0);
         let below = |y: usize| y as f64 + 0.5 - 40.0;
-        let depth = Plane::from_fn(width, height, |_, y| {
-            (camera_height * focal / below(y).max(0.5)) as f32
-        });
+        let depth = |_, y| (camera_height * focal / below(y).max(0.5)) as f32;
+        let [fx, fy, cx, cy] = [focal, focal, 100.0, 40.0];
         let up = Vector3Planes::from_fn(width, height, |_, _| DVec3::Y);
         let mask = Mask::new(Plane::from_fn(width, height, |_, y| y >= 40));
         Frame {
-            depth: Some(depth),
+            depth: Some(Plane::from_fn(width, height, depth)),
             camera: Some(Camera {
                 view_from_world: DAffine3::IDENTITY,
-                projection: Projection::Perspective {
-                    fx: focal,
-                    fy: focal,
-                    cx: 100.0,
-                    cy: 40.0,
-                },
+                projection: Projection::Perspective { fx, fy, cx, cy },
             }),
             ..Frame::of_normals(up, mask)
         }
@@ -118,19 +97,17 @@ fn a_ball_before_a_wall_has_a_whole_ring_of_one_width_around_it() {
         ("at 87 degrees", before_wall(87.0, 3500.0)),
         ("near", seen_from(400.0, before_wall(0.0, 300.0))),
         (
-            "near, at 60 degrees",
+            "near at 60 degrees",
             seen_from(500.0, before_wall(60.0, 600.0)),
         ),
     ] {
-        let (pixels, with) = changed(&bare(scene.frame(size, size)), halo);
-        let changed: HashSet<[usize; 2]> = pixels.into_iter().collect();
-        let ball = Plane::from_fn(size, size, |x, y| {
-            scene.exact(x, y).is_some_and(|seen| seen.surface == 0)
-        });
-        for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+        let (changed, with) = changed(&bare(scene.frame(size, size)), halo);
+        let is_ball = |x, y| scene.exact(x, y).is_some_and(|seen| seen.surface == 0);
+        let ball = Plane::from_fn(size, size, is_ball);
+        for (x, y) in places(size, size) {
             let case = format!("{name}: {x}, {y}");
             if ball.at(x, y) {
-                assert!(!changed.contains(&[x, y]), "{case} is the ball's own");
+                assert!(!changed.contains(&(x, y)), "{case} is the ball's own");
                 continue;
             }
             let around = |i: usize| i.saturating_sub(width + 1)..(i + width + 2).min(size);
@@ -142,7 +119,7 @@ fn a_ball_before_a_wall_has_a_whole_ring_of_one_width_around_it() {
             if nearest <= width as f64 {
                 assert!(with.at(x, y) == 0.0, "{case} has ink");
             } else if nearest > width as f64 + 0.5 {
-                assert!(!changed.contains(&[x, y]), "{case} is beyond the ring");
+                assert!(!changed.contains(&(x, y)), "{case} is beyond the ring");
             }
         }
     }

@@ -6,12 +6,13 @@ mod halo;
 mod stiff;
 mod strokes;
 
+use crate::common::{cpu, default_but, mean, on_threads, places};
 use relievo::engine::{Drawing, Engine, Inputs, Run};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
-use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale, Style};
-use relievo::plan::{Available, Goal, Plan, Tone};
+use relievo::params::{Adaptive, LineParams, ShapeParams, StrokeParams, StrokeScale, Style};
+use relievo::plan::{Goal, Tone};
 use relievo::scenes::ExactScene;
 use relievo::scenes::frames::grey;
 
@@ -59,10 +60,8 @@ fn stroke_angle(plane: &Plane, part: impl Fn(usize, usize) -> bool) -> f64 {
         |near: [f32; 2], far: [f32; 2]| f64::from(8.0 * (near[1] - near[0]) - (far[1] - far[0]));
     for y in 2..plane.height() - 2 {
         for x in (2..plane.width() - 2).filter(|&x| part(x, y)) {
-            let (across, up) = (
-                |i: usize| plane.at(x + i - 2, y),
-                |i: usize| plane.at(x, y + 2 - i),
-            );
+            let across = |i: usize| plane.at(x + i - 2, y);
+            let up = |i: usize| plane.at(x, y + 2 - i);
             let gx = slope([across(1), across(3)], [across(0), across(4)]);
             let gy = slope([up(1), up(3)], [up(0), up(4)]);
             xx += gx * gx;
@@ -95,28 +94,25 @@ fn apart(a: f64, b: f64) -> f64 {
     ((a - b + 90.0).rem_euclid(180.0) - 90.0).abs()
 }
 
-fn mean(plane: &Plane) -> f64 {
-    let sum: f64 = plane.samples().iter().map(|&v| f64::from(v)).sum();
-    sum / plane.samples().len() as f64
-}
-
 /// A drawing of `frame` in the tone of its unprocessed picture.
 fn drawing(frame: &Frame, line: LineParams) -> Drawing {
     drawn_by(&Engine::cpu(), frame, line)
 }
 
 fn drawn_by(engine: &Engine, frame: &Frame, line: LineParams) -> Drawing {
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap();
-    let drawn = engine.execute(&plan, frame, Inputs::default(), &Run::new());
+    let plan = cpu::plan(
+        Goal::Hatch(Tone::Picture, line),
+        frame,
+        ShapeParams::default(),
+    );
+    let drawn = engine.execute(&plan.unwrap(), frame, Inputs::default(), &Run::new());
     let drawing = drawn.unwrap().drawing;
     drawing.expect("a drawing was planned")
 }
 
 /// Tone is luminance itself: white 1, no curve; strokes have their own size.
 fn straight(mut line: LineParams) -> LineParams {
-    line.tone.white_point = relievo::params::Adaptive::Fixed(1.0);
+    line.tone.white_point = Adaptive::Fixed(1.0);
     line.tone.gamma = 1.0;
     if line.strokes.scale == StrokeScale::Auto {
         line.strokes.scale = StrokeScale::Factor(1.0);

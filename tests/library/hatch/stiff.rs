@@ -3,79 +3,54 @@
 use super::*;
 use crate::common::{is_a_drawing, poisoned};
 use glam::DVec3;
-use relievo::frame::Mask;
-use relievo::params::{FieldParams, StrokeDirections, StrokeScale};
+use relievo::params::StrokeDirections;
 use relievo::scenes::Surface;
+use relievo::scenes::frames::masked;
 
 /// Strokes at the ends of their ranges, and every style.
 fn settings() -> Vec<(&'static str, LineParams)> {
-    let usual = LineParams {
-        directions: StrokeDirections::Both,
-        ..LineParams::default()
-    };
+    let usual = default_but(|line: &mut LineParams| line.directions = StrokeDirections::Both);
     let strokes = |name, change: fn(&mut StrokeParams)| {
         let mut line = usual;
         change(&mut line.strokes);
         (name, line)
     };
-    let field = FieldParams {
-        cell_px: 1,
-        passes: 6,
-        radius_px: 64.0,
-        ..usual.field
-    };
-    vec![
+    let mut fine = usual;
+    (fine.field.cell_px, fine.field.passes, fine.field.radius_px) = (1, 6, 64.0);
+    #[rustfmt::skip]
+    let all = vec![
         ("usual", usual),
-        strokes("narrower than a pixel", |s| {
-            s.scale = StrokeScale::Factor(0.1);
-        }),
-        strokes("wider than the picture", |s| {
-            s.scale = StrokeScale::Factor(500.0);
-        }),
+        ("a field as fine as the picture", fine),
+        strokes("narrower than a pixel", |s| s.scale = StrokeScale::Factor(0.1)),
+        strokes("wider than the picture", |s| s.scale = StrokeScale::Factor(500.0)),
         strokes("8 sets of 360 levels", |s| (s.levels, s.sets) = (360, 8)),
         strokes("one level", |s| s.levels = 1),
-        strokes("hairs far apart", |s| {
-            (s.width_px, s.spacing_px) = (Some(0.05), Some(1000.0));
-        }),
-        strokes("dots for strokes", |s| {
-            (s.width_px, s.length_px) = (Some(100.0), Some(1.0));
-        }),
-        (
-            "a field as fine as the picture",
-            LineParams { field, ..usual },
-        ),
-        strokes("8 sets of a pencil", |s| {
-            (s.style, s.sets) = (Style::Pencil, 8)
-        }),
+        strokes("hairs far apart", |s| (s.width_px, s.spacing_px) = (Some(0.05), Some(1000.0))),
+        strokes("dots for strokes", |s| (s.width_px, s.length_px) = (Some(100.0), Some(1.0))),
+        strokes("8 sets of a pencil", |s| (s.style, s.sets) = (Style::Pencil, 8)),
         strokes("lines", |s| s.style = Style::Lines),
         strokes("engraving", |s| s.style = Style::Engraving),
         strokes("stipple", |s| s.style = Style::Stipple),
-        strokes("no wobble", |s| {
-            (s.wobble, s.pressure) = (Some(0.0), Some(0.0))
-        }),
-    ]
+        strokes("no wobble", |s| (s.wobble, s.pressure) = (Some(0.0), Some(0.0))),
+    ];
+    all
 }
 
 fn frames() -> Vec<(&'static str, Frame)> {
     let scene = |surface| ExactScene::orthographic(surface, 20.0, 20.0);
     let ball = scene(Surface::ball(15.0)).frame(40, 40);
     let plane = scene(Surface::plane(DVec3::Z)).frame(40, 40);
-    let masked = |mask: Mask| Frame {
-        mask,
-        ..ball.clone()
-    };
-    let spot = Plane::from_fn(40, 40, |x, y| (x, y) == (20, 20));
     let even = |luminance| grey(scene(Surface::ball(15.0)).frame(40, 40), luminance);
     let mut bare = ball.clone();
     (bare.depth, bare.alpha, bare.camera) = (None, None, None);
     vec![
         ("umbilic everywhere", ball.clone()),
         ("planar everywhere", plane),
+        ("nothing covered", masked(ball.clone(), |_, _| false)),
         (
-            "nothing covered",
-            masked(Mask::new(Plane::filled(40, 40, false))),
+            "one pixel covered",
+            masked(ball.clone(), |x, y| (x, y) == (20, 20)),
         ),
-        ("one pixel covered", masked(Mask::new(spot))),
         ("black", even(0.0)),
         ("white", even(1.0)),
         ("infinitely bright", even(f32::INFINITY)),
@@ -123,13 +98,11 @@ fn settings_out_of_range_are_refused_by_name() {
     refused(|l| l.strokes.levels = 0, "--levels");
     refused(|l| l.strokes.levels = 361, "--levels");
     refused(|l| l.strokes.sets = 9, "--sets");
-    refused(
-        |l| l.strokes.scale = StrokeScale::Factor(0.0),
-        "--stroke-scale",
-    );
+    let scale = "--stroke-scale";
+    refused(|l| l.strokes.scale = StrokeScale::Factor(0.0), scale);
     refused(
         |l| l.strokes.scale = StrokeScale::Millimetres(f32::NAN),
-        "--stroke-scale",
+        scale,
     );
     refused(|l| l.strokes.dpi = Some(-1.0), "--dpi");
     refused(|l| l.strokes.wobble = Some(2.0), "--wobble");

@@ -3,7 +3,7 @@
 
 mod files;
 
-use crate::common::cpu;
+use crate::common::{covered, cpu, places};
 use glam::Vec3;
 use relievo::engine::Outcome;
 use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane};
@@ -23,29 +23,24 @@ fn scene() -> Frame {
     let surface = Surface::sine_relief(2.0, 19.0, 0.4);
     let mut frame = ExactScene::orthographic(surface, 30.0, 20.0).frame(WIDTH, HEIGHT);
     frame.mask = Mask::new(Plane::from_fn(WIDTH, HEIGHT, |x, _| x < WIDTH - 5));
-    let facing = |x: usize, y: usize, to: Vec3| {
-        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
-        Vec3::from(n).dot(to.normalize()).max(0.0)
-    };
+    let facing =
+        |x: usize, y: usize, to: Vec3| normal_at(&frame, x, y).dot(to.normalize()).max(0.0);
     let light = |tint: [f32; 3], value: &dyn Fn(usize, usize) -> f32| {
         color(|i, x, y| tint[i] * value(x, y))
     };
+    let lit = |x, y| facing(x, y, Vec3::new(1.0, 1.0, 1.0));
+    let stripes = |x: usize, _| if x % 9 < 4 { 1.0 } else { 0.2 };
     let diffuse = LobeLayers {
         lobe: Lobe::Diffuse,
-        direct: Some(light([0.9; 3], &|x, y| {
-            facing(x, y, Vec3::new(1.0, 1.0, 1.0))
-        })),
+        direct: Some(light([0.9; 3], &lit)),
         indirect: Some(light([0.1; 3], &|_, y| 0.5 + y as f32 / 80.0)),
-        color: Some(light([0.6, 0.3, 0.1], &|x, _| {
-            if x % 9 < 4 { 1.0 } else { 0.2 }
-        })),
+        color: Some(light([0.6, 0.3, 0.1], &stripes)),
         albedo: None,
     };
+    let glint = |x, y| facing(x, y, Vec3::new(0.3, 0.2, 1.0)).powi(60);
     let specular = LobeLayers {
         lobe: Lobe::Specular,
-        direct: Some(light([3.0, 2.5, 2.0], &|x, y| {
-            facing(x, y, Vec3::new(0.3, 0.2, 1.0)).powi(60)
-        })),
+        direct: Some(light([3.0, 2.5, 2.0], &glint)),
         indirect: None,
         color: Some(light([0.04; 3], &|_, _| 1.0)),
         albedo: None,
@@ -62,12 +57,12 @@ fn scene() -> Frame {
 }
 
 fn color(value: impl Fn(usize, usize, usize) -> f32) -> ColorPlanes {
-    let plane = |i| Plane::from_fn(WIDTH, HEIGHT, |x, y| value(i, x, y));
-    ColorPlanes {
-        r: plane(0),
-        g: plane(1),
-        b: plane(2),
-    }
+    let [r, g, b] = [0, 1, 2].map(|i| Plane::from_fn(WIDTH, HEIGHT, |x, y| value(i, x, y)));
+    ColorPlanes { r, g, b }
+}
+
+fn normal_at(frame: &Frame, x: usize, y: usize) -> Vec3 {
+    frame.normal.at(x, y).as_vec3()
 }
 
 fn channels(color: &ColorPlanes) -> [&Plane; 3] {
@@ -75,9 +70,8 @@ fn channels(color: &ColorPlanes) -> [&Plane; 3] {
 }
 
 fn light(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
-    let at =
-        |planes: &Option<ColorPlanes>| planes.as_ref().map_or(0.0, |p| channels(p)[i].at(x, y));
-    at(&lobe.direct) + at(&lobe.indirect)
+    let layers = [&lobe.direct, &lobe.indirect].into_iter().flatten();
+    layers.map(|planes| channels(planes)[i].at(x, y)).sum()
 }
 
 fn radiance(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
@@ -107,11 +101,8 @@ fn run(frame: &Frame, params: ScalingParams) -> Outcome {
 fn enhanced(frame: &Frame, params: ScalingParams) -> (ColorPlanes, Plane) {
     let outcome = run(frame, params);
     let gain = outcome.gain.unwrap();
-    let kappa = outcome
-        .shape
-        .trace
-        .unwrap()
-        .map(|t| mapped_curvature(t, gain));
+    let trace = outcome.shape.trace.unwrap();
+    let kappa = trace.map(|t| mapped_curvature(t, gain));
     (outcome.color.unwrap(), kappa)
 }
 
@@ -120,16 +111,21 @@ fn bits(color: &ColorPlanes) -> Vec<u32> {
     samples.map(|s| s.to_bits()).collect()
 }
 
-fn pixels() -> impl Iterator<Item = (usize, usize)> {
-    (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)))
+/// Parameters with magnitudes for ambient, diffuse and specular light, where they are given.
+fn by_term(magnitudes: [Option<f32>; 3]) -> ScalingParams {
+    let [scaling_ambient, scaling_diffuse, scaling_specular] = magnitudes;
+    ScalingParams {
+        scaling_ambient,
+        scaling_diffuse,
+        scaling_specular,
+        ..fixed()
+    }
 }
 
 #[track_caller]
 fn near(found: f32, expected: f32, of: f32, what: &str) {
-    assert!(
-        (found - expected).abs() <= 2e-6 * of.max(1.0),
-        "{what}: {found}, not {expected}"
-    );
+    let is_near = (found - expected).abs() <= 2e-6 * of.max(1.0);
+    assert!(is_near, "{what}: {found}, not {expected}");
 }
 
 #[test]
@@ -145,12 +141,7 @@ fn a_magnitude_of_0_runs_nothing_in_every_mode() {
     groups.light.groups.push(group("key", 1.0, &[Vec3::Z]));
     let mut occlusion = whole.clone();
     occlusion.light.occlusion = Some(Plane::filled(WIDTH, HEIGHT, 0.5));
-    let by_term = ScalingParams {
-        scaling_ambient: Some(0.0),
-        scaling_diffuse: Some(0.0),
-        scaling_specular: Some(0.0),
-        ..fixed()
-    };
+    let by_term = by_term([Some(0.0); 3]);
     for frame in [&lobes, &whole, &groups, &occlusion] {
         assert!(plan(frame, none).stages().is_empty());
     }
@@ -168,10 +159,7 @@ fn a_lobe_without_light_changes_no_bit() {
     picture.r.samples_mut()[3] = -0.0;
     picture.g.samples_mut()[4] = -0.25;
     frame.light.lobes[1].direct = Some(color(|_, _, _| 0.0));
-    let params = ScalingParams {
-        scaling_diffuse: Some(0.0),
-        ..fixed()
-    };
+    let params = by_term([None, Some(0.0), None]);
     assert!(plan(&frame, params).runs("light-lobes"));
     let (made, _) = enhanced(&frame, params);
     assert_eq!(bits(&made), bits(frame.color.as_ref().unwrap()));
@@ -182,14 +170,9 @@ fn each_lobe_is_scaled_by_its_own_light_and_magnitude() {
     let frame = scene();
     let picture = frame.color.as_ref().unwrap();
     for (diffuse, specular) in [(1.5, 0.0), (0.0, 0.7), (0.8, 2.0)] {
-        let params = ScalingParams {
-            scaling_diffuse: Some(diffuse),
-            scaling_specular: Some(specular),
-            ..fixed()
-        };
-        let (made, kappa) = enhanced(&frame, params);
+        let (made, kappa) = enhanced(&frame, by_term([None, Some(diffuse), Some(specular)]));
         let mut changed = 0;
-        for (x, y) in pixels() {
+        for (x, y) in places(WIDTH, HEIGHT) {
             let sigma = |lobe: &LobeLayers, magnitude: f32| {
                 let luminance: f32 = (0..3).map(|i| WEIGHTS[i] * light(lobe, i, x, y)).sum();
                 scaling(luminance / 1.5, magnitude * kappa.at(x, y), 0.25)
@@ -199,15 +182,10 @@ fn each_lobe_is_scaled_by_its_own_light_and_magnitude() {
             for i in 0..3 {
                 // out = picture + (sigma_d - 1) diffuse + (sigma_s - 1) specular; uncovered as it was.
                 let (before, after) = (channels(picture)[i].at(x, y), channels(&made)[i].at(x, y));
-                let expected = before
-                    + (sigma_d - 1.0) * radiance(d, i, x, y)
-                    + (sigma_s - 1.0) * radiance(s, i, x, y);
-                let expected = if frame.mask.at(x, y) {
-                    expected
-                } else {
-                    before
-                };
-                near(after, expected, before, "scaled");
+                let [d, s] = [d, s].map(|lobe| radiance(lobe, i, x, y));
+                let change = (sigma_d - 1.0) * d + (sigma_s - 1.0) * s;
+                let change = if frame.mask.at(x, y) { change } else { 0.0 };
+                near(after, before + change, before, "scaled");
                 changed += usize::from((after - before).abs() > 0.01);
             }
         }
@@ -227,7 +205,7 @@ fn the_color_of_a_lobe_is_kept() {
         ..fixed()
     };
     let (made, _) = enhanced(&frame, strong);
-    for (x, y) in pixels() {
+    for (x, y) in places(WIDTH, HEIGHT) {
         let ratio = |c: &ColorPlanes| c.r.at(x, y) / c.g.at(x, y);
         let (before, after) = (ratio(frame.color.as_ref().unwrap()), ratio(&made));
         assert!((after / before - 1.0).abs() < 1e-5, "{after}, not {before}");
@@ -237,17 +215,12 @@ fn the_color_of_a_lobe_is_kept() {
 #[test]
 fn ambient_light_has_a_magnitude_of_its_own_where_it_is_given() {
     let frame = scene();
-    let params = ScalingParams {
-        scaling_ambient: Some(2.0),
-        scaling_diffuse: Some(0.0),
-        scaling_specular: Some(0.0),
-        ..fixed()
-    };
+    let params = by_term([Some(2.0), Some(0.0), Some(0.0)]);
     let (made, kappa) = enhanced(&frame, params);
     let picture = frame.color.as_ref().unwrap();
     let mut lobe = frame.light.lobes[0].clone();
     lobe.direct = None;
-    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+    for (x, y) in covered(&frame.mask) {
         let luminance: f32 = (0..3).map(|i| WEIGHTS[i] * light(&lobe, i, x, y)).sum();
         let sigma = scaling(luminance / 1.5, 2.0 * kappa.at(x, y), 0.25);
         let expected = picture.g.at(x, y) + (sigma - 1.0) * radiance(&lobe, 1, x, y);
@@ -263,7 +236,7 @@ fn ambient_light_has_a_magnitude_of_its_own_where_it_is_given() {
         ..params
     };
     let (made, kappa) = enhanced(&occluded, alone);
-    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+    for (x, y) in covered(&frame.mask) {
         let open = 0.2 + x as f32 / 80.0;
         let expected = picture.b.at(x, y) * scaling(open, 2.0 * kappa.at(x, y), 0.25);
         near(made.b.at(x, y), expected, 1.0, "occlusion");
@@ -288,10 +261,8 @@ fn a_picture_of_occlusion_has_a_white_of_1() {
         scaling_ambient: Some(1.0),
         ..auto
     };
-    assert_eq!(
-        bits(&run(&frame, ambient).color.unwrap()),
-        bits(&outcome.color.unwrap())
-    );
+    let [ambient, own] = [run(&frame, ambient), outcome].map(|made| bits(&made.color.unwrap()));
+    assert_eq!(ambient, own);
 }
 
 #[test]
@@ -331,9 +302,8 @@ fn bad_light_gives_finite_pictures() {
             lobe.albedo = Some(color(|_, _, _| 0.5));
             let spoil = [&mut lobe.direct, &mut lobe.color, &mut lobe.albedo];
             for (i, planes) in spoil.into_iter().enumerate() {
-                *planes = planes
-                    .as_ref()
-                    .map(|p| if i == layer { spoiled(p) } else { p.clone() });
+                let change = |p| if i == layer { spoiled(&p) } else { p };
+                *planes = planes.take().map(change);
             }
             frame.light.groups.clear();
             for white_level in [Adaptive::Auto, Adaptive::Fixed(1e-30)] {
@@ -384,10 +354,8 @@ fn a_shadow_keeps_its_edge_where_light_groups_are_scaled() {
     };
     let (open, shadowed) = (lit(1.0), lit(0.15));
     let factors_open = factors(&open);
-    assert!(
-        factors_open.iter().any(|f| (f - 1.0).abs() > 0.2),
-        "nothing is scaled"
-    );
+    let is_scaled = factors_open.iter().any(|f| (f - 1.0).abs() > 0.2);
+    assert!(is_scaled, "nothing is scaled");
     let apart = most_apart(factors_open, factors(&shadowed));
     assert!(apart < 1e-6, "the shadow is scaled by {apart} otherwise");
     // The picture as a whole treats the shadow as dark shading.
@@ -402,34 +370,26 @@ fn a_shadow_keeps_its_edge_where_light_groups_are_scaled() {
 fn what_no_group_covers_stays() {
     let mut frame = scene();
     let key = group("key", 0.3, &[Vec3::new(1.0, 0.0, 1.0)]);
-    let fill = group(
-        "fill",
-        0.1,
-        &[Vec3::new(0.0, -1.0, 0.2), Vec3::new(0.0, 0.0, -1.0)],
-    );
+    let below = [Vec3::new(0.0, -1.0, 0.2), Vec3::new(0.0, 0.0, -1.0)];
+    let fill = group("fill", 0.1, &below);
     let env = color(|_, _, y| 0.05 + y as f32 / 100.0);
     frame.color = Some(color(|i, x, y| {
         let sum = [&key.light, &fill.light, &env];
         sum.map(|c| channels(c)[i].at(x, y)).iter().sum()
     }));
     frame.light.groups = vec![key, fill];
-    assert!(plan(&frame, fixed()).runs("light-groups"));
-    assert!(
-        !plan(&frame, fixed()).runs("light-lobes"),
-        "groups go before lobes"
-    );
+    // Groups go before lobes.
+    let planned = plan(&frame, fixed());
+    assert!(planned.runs("light-groups") && !planned.runs("light-lobes"));
     let (made, kappa) = enhanced(&frame, fixed());
-    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
-        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
+    for (x, y) in covered(&frame.mask) {
+        let n = normal_at(&frame, x, y);
         let scaled = |group: &LightGroup| {
-            let cosines = group.to_light.iter().map(|l| l.dot(n.into()).max(0.0));
+            let cosines = group.to_light.iter().map(|l| l.dot(n).max(0.0));
             let sum: f32 = cosines.clone().sum();
-            let sigmas = cosines.map(|d| d * scaling(d, kappa.at(x, y), 0.25));
-            let sigma = if sum > 0.0 {
-                sigmas.sum::<f32>() / sum
-            } else {
-                1.0
-            };
+            let scaled = cosines.map(|d| d * scaling(d, kappa.at(x, y), 0.25));
+            let scaled: f32 = scaled.sum();
+            let sigma = if sum > 0.0 { scaled / sum } else { 1.0 };
             sigma * group.light.r.at(x, y)
         };
         let expected: f32 = frame.light.groups.iter().map(scaled).sum::<f32>() + env.r.at(x, y);
@@ -448,17 +408,14 @@ fn anisotropy_takes_the_curvature_along_the_light() {
     };
     let planned = plan(&frame, params);
     assert!(planned.runs("hessian") && !planned.runs("curvatures"));
-    assert!(
-        !plan(&frame, fixed()).runs("hessian"),
-        "the trace is enough"
-    );
+    // Without it the trace is enough.
+    assert!(!plan(&frame, fixed()).runs("hessian"));
     let outcome = run(&frame, params);
     let (made, hessian) = (outcome.color.unwrap(), outcome.shape.hessian.unwrap());
     let mut differ = 0;
-    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+    for (x, y) in covered(&frame.mask) {
         let h = [&hessian.xx, &hessian.xy, &hessian.yy].map(|p| p.at(x, y));
-        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
-        let d = to_light.dot(n.into()).max(0.0);
+        let d = to_light.dot(normal_at(&frame, x, y)).max(0.0);
         let kappa = mapped_curvature_toward(h, [to_light.x, to_light.y], 20.0, 0.8);
         let light = frame.light.groups[0].light.r.at(x, y);
         let before = frame.color.as_ref().unwrap().r.at(x, y);
@@ -468,10 +425,7 @@ fn anisotropy_takes_the_curvature_along_the_light() {
         near(made.r.at(x, y), expected, 1.0, "along the light");
         differ += usize::from((kappa - mapped_curvature(h[0] + h[2], 20.0)).abs() > 0.05);
     }
-    assert!(
-        differ > 100,
-        "the direction matters at {differ} pixels only"
-    );
+    assert!(differ > 100, "it matters at {differ} pixels only");
 }
 
 #[test]
@@ -479,12 +433,8 @@ fn a_mirrored_frame_gives_the_mirrored_picture() {
     let frame = scene();
     let (made, _) = enhanced(&frame, fixed());
     let (mirrored, _) = enhanced(&crate::common::mirrored(&frame), fixed());
-    for (x, y) in pixels() {
-        near(
-            mirrored.g.at(WIDTH - 1 - x, y),
-            made.g.at(x, y),
-            1.0,
-            "mirrored",
-        );
+    for (x, y) in places(WIDTH, HEIGHT) {
+        let found = mirrored.g.at(WIDTH - 1 - x, y);
+        near(found, made.g.at(x, y), 1.0, "mirrored");
     }
 }

@@ -1,50 +1,34 @@
 //! Light turned to the form.
 
-use super::{Asked, bits, covered, lights, sky, torus_in_perspective};
+use super::{Asked, bits, covered, difference, lights, sky, torus_in_perspective};
+use crate::common::places;
 use glam::Vec3;
 use relievo::frame::{ColorPlanes, Frame, Normals};
 use relievo::light::lights::Illumination;
-use relievo::params::{Material, Method, RelightParams, Samples};
+use relievo::params::{Material, Method, Samples};
 
 fn aligned(material: Material) -> Asked {
     Asked::of(material, Method::Align)
 }
 
 fn plain(asked: &Asked) -> Asked {
-    let relight = RelightParams {
-        method: Method::Plain,
-        ..asked.relight
-    };
-    Asked {
-        relight,
-        ..asked.clone()
-    }
-}
-
-/// The largest difference between two pictures.
-fn difference(a: &ColorPlanes, b: &ColorPlanes) -> f32 {
-    let pairs = [(&a.r, &b.r), (&a.g, &b.g), (&a.b, &b.b)];
-    let differences = pairs.into_iter().flat_map(|(a, b)| {
-        let pairs = a.samples().iter().zip(b.samples());
-        pairs.map(|(a, b)| (a - b).abs())
-    });
-    differences.fold(0.0, f32::max)
+    asked
+        .clone()
+        .with(|asked| asked.relight.method = Method::Plain)
 }
 
 /// Ground with small bumps, under which it is flat.
 fn ground(height: f32) -> Frame {
-    let normals: Vec<[f32; 3]> = (0..120 * 100)
-        .map(|i| {
-            let (x, y) = ((i % 120) as f32, (i / 120) as f32);
-            let slope = [height * (0.5 * x).cos(), height * (0.4 * y).cos()];
-            Vec3::new(-slope[0], -slope[1], 1.0).normalize().to_array()
-        })
-        .collect();
-    let normals = ndarray::Array3::from_shape_vec((100, 120, 3), normals.concat()).unwrap();
-    Frame::builder(120, 100)
-        .normals(Normals::view(&normals))
-        .build()
-        .unwrap()
+    let normals = places(120, 100).flat_map(|(x, y)| {
+        let slope = [
+            height * (0.5 * x as f32).cos(),
+            height * (0.4 * y as f32).cos(),
+        ];
+        Vec3::new(-slope[0], -slope[1], 1.0).normalize().to_array()
+    });
+    let normals: Vec<f32> = normals.collect();
+    let frame = Frame::builder(120, 100).normals(Normals::view(&normals));
+    frame.build().unwrap()
 }
 
 #[test]
@@ -74,9 +58,8 @@ fn detail_stands_out_and_the_mean_stays() {
         let asked = aligned(Material::Lambert).with(|asked| asked.light = lights(&[light]));
         let [turned, plain] = [asked.color(&frame), plain(&asked).color(&frame)];
         let of = |color: &ColorPlanes| {
-            let all: Vec<f64> = covered(&frame)
-                .map(|(x, y)| color.g.at(x, y).into())
-                .collect();
+            let all = covered(&frame.mask).map(|(x, y)| f64::from(color.g.at(x, y)));
+            let all: Vec<f64> = all.collect();
             let mean = all.iter().sum::<f64>() / all.len() as f64;
             let square = all.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
             (mean, (square / all.len() as f64).sqrt())

@@ -1,13 +1,15 @@
 //! Scenes whose light is known: furnaces, planes, mirrors, spheres, environments of one direction.
 
 use super::{Asked, covered, lights, sky, surroundings, torus, torus_in_perspective};
+use crate::common::places;
 use glam::{DVec3, Vec3};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::light::environment::Environment;
 use relievo::light::light_samples::light_disc;
 use relievo::light::lights::{Illumination, direction_of};
 use relievo::light::lit_sphere::LitSphere;
-use relievo::params::{AlbedoSource, Material, Method, Samples, WarpBy};
+use relievo::params::{Adaptive, AlbedoSource, Material, Method, Samples, WarpBy};
+use relievo::scenes::{ExactScene, Surface};
 
 fn constant() -> Environment {
     Environment::from_fn(64, 32, |_, _| [0.7, 0.7, 0.7])
@@ -18,9 +20,8 @@ fn largest_error(
     frame: &Frame,
     expected: impl Fn(usize, usize) -> f64,
 ) -> f64 {
-    covered(frame)
-        .map(|(x, y)| (f64::from(color.r.at(x, y)) - expected(x, y)).abs())
-        .fold(0.0, f64::max)
+    let error = |(x, y)| (f64::from(color.r.at(x, y)) - expected(x, y)).abs();
+    covered(&frame.mask).map(error).fold(0.0, f64::max)
 }
 
 #[test]
@@ -35,13 +36,13 @@ fn a_furnace_shows_itself() {
         (Material::Phong, 0.7 * (1.0 + 2.0 / 33.0)),
     ];
     for (material, expected) in cases {
-        let asked =
-            Asked::of(material, Method::Plain).in_environment(constant(), Samples::Fixed(0));
+        let asked = Asked::of(material, Method::Plain);
+        let asked = asked.in_environment(constant(), Samples::Fixed(0));
         let error = largest_error(&asked.color(&frame), &frame, |_, _| expected);
         assert!(error < 2e-6, "{material:?}: {error:.1e}");
     }
-    let mut thin =
-        Asked::of(Material::Glass, Method::Plain).in_environment(constant(), Samples::Auto);
+    let thin = Asked::of(Material::Glass, Method::Plain);
+    let mut thin = thin.in_environment(constant(), Samples::Auto);
     thin.relight.material.thin = true;
     let error = largest_error(&thin.color(&frame), &frame, |_, _| 0.7);
     assert!(error < 2e-6, "thin glass: {error:.1e}");
@@ -52,17 +53,14 @@ fn a_sampled_furnace_converges() {
     // Lights cut from a constant environment: the error of the sum over the cosine falls with N.
     let frame = torus();
     let error = |samples| {
-        let asked = Asked::of(Material::Lambert, Method::Plain)
-            .in_environment(constant(), Samples::Fixed(samples));
+        let asked = Asked::of(Material::Lambert, Method::Plain);
+        let asked = asked.in_environment(constant(), Samples::Fixed(samples));
         largest_error(&asked.color(&frame), &frame, |_, _| 0.7)
     };
     let errors = [16, 64, 256, 1024].map(error);
     println!("{errors:?}");
-    assert!(
-        errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0]),
-        "{errors:?}"
-    );
-    assert!(errors[3] < 0.02, "{errors:?}");
+    let falls = errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0]);
+    assert!(falls && errors[3] < 0.02, "{errors:?}");
 }
 
 #[test]
@@ -71,59 +69,48 @@ fn light_without_bounds_is_warped_alike_from_both_sides() {
     // W^-1. Both are sums for one integral: they converge as N grows.
     let frame = torus();
     let made = |warp_by, samples| {
-        let mut asked = Asked::of(Material::Lambert, Method::Warp)
-            .in_environment(sky(), Samples::Fixed(samples));
+        let asked = Asked::of(Material::Lambert, Method::Warp);
+        let mut asked = asked.in_environment(sky(), Samples::Fixed(samples));
         asked.relight.warp_by = warp_by;
         asked.color(&frame)
     };
-    let plain = Asked::of(Material::Lambert, Method::Plain)
+    let plain = Asked::of(Material::Lambert, Method::Plain);
+    let plain = plain
         .in_environment(sky(), Samples::Fixed(4096))
         .color(&frame);
     let mean_difference = |a: &ColorPlanes, b: &ColorPlanes| {
-        let differences =
-            covered(&frame).map(|(x, y)| f64::from((a.r.at(x, y) - b.r.at(x, y)).abs()));
-        differences.sum::<f64>() / frame.mask.count() as f64
+        let apart = |(x, y)| f64::from((a.r.at(x, y) - b.r.at(x, y)).abs());
+        covered(&frame.mask).map(apart).sum::<f64>() / frame.mask.count() as f64
     };
     let differences = [64, 512, 4096].map(|samples| {
-        mean_difference(
-            &made(WarpBy::Lookups, samples),
-            &made(WarpBy::Lights, samples),
-        )
+        let both = [WarpBy::Lookups, WarpBy::Lights].map(|by| made(by, samples));
+        mean_difference(&both[0], &both[1])
     });
     let effect = mean_difference(&made(WarpBy::Lights, 4096), &plain);
     println!("{differences:?}, the warp itself {effect:.1e}");
     // Both keep to the hemisphere of the normal by a hard edge, so the order is 1/2 to 1 in N.
     assert!(differences[1] < 0.5 * differences[0] && differences[2] < 0.5 * differences[1]);
-    assert!(
-        differences[2] < 0.1 * effect,
-        "{differences:?} beside {effect}"
-    );
+    assert!(differences[2] < 0.1 * effect, "{differences:?} {effect}");
 }
 
 #[test]
 fn prefiltered_light_is_what_many_lights_make() {
     let frame = torus();
     let with = |samples| {
-        Asked::of(Material::Lambert, Method::Plain)
-            .in_environment(sky(), samples)
-            .color(&frame)
+        let asked = Asked::of(Material::Lambert, Method::Plain);
+        asked.in_environment(sky(), samples).color(&frame)
     };
     let (prefiltered, sampled) = (with(Samples::Fixed(0)), with(Samples::Fixed(16_384)));
     let error = largest_error(&prefiltered, &frame, |x, y| sampled.r.at(x, y).into());
-    let largest = covered(&frame)
-        .map(|(x, y)| sampled.r.at(x, y))
-        .fold(0.0, f32::max);
+    let samples = covered(&frame.mask).map(|(x, y)| sampled.r.at(x, y));
+    let largest = samples.fold(0.0, f32::max);
     assert!(error < 0.01 * f64::from(largest), "{error} of {largest}");
 }
 
 #[test]
 fn a_plane_shows_the_sine_of_the_elevation() {
-    let frame = relievo::scenes::ExactScene::orthographic(
-        relievo::scenes::Surface::plane(DVec3::Z),
-        16.0,
-        16.0,
-    )
-    .frame(32, 32);
+    let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 16.0, 16.0);
+    let frame = plane.frame(32, 32);
     for elevation in [5.0_f32, 30.0, 90.0] {
         let mut asked = Asked::of(Material::Lambert, Method::Both);
         asked.light = lights(&[direction_of(217.0, elevation)]);
@@ -149,16 +136,9 @@ fn a_mirror_shows_the_environment_where_the_view_is_thrown() {
     let color = asked.color(&frame);
     let projection = frame.camera.unwrap().projection;
     let error = largest_error(&color, &frame, |x, y| {
-        let n = &frame.normal;
-        let n = DVec3::new(
-            n.x.at(x, y).into(),
-            n.y.at(x, y).into(),
-            n.z.at(x, y).into(),
-        );
-        let eye = projection
-            .to_eye(x as f64 + 0.5, y as f64 + 0.5)
-            .extend(1.0)
-            .normalize();
+        let n = frame.normal.at(x, y);
+        let eye = projection.to_eye(x as f64 + 0.5, y as f64 + 0.5);
+        let eye = eye.extend(1.0).normalize();
         let r = 2.0 * n.dot(eye) * n - eye;
         environment.radiance(r.as_vec3().to_array())[0].into()
     });
@@ -180,18 +160,17 @@ fn a_mirror_ball_is_brighter_where_it_shows_more_than_a_third_of_the_median() {
         };
         Environment::from_fn(512, 256, sunny)
     };
-    let frame =
-        relievo::scenes::ExactScene::orthographic(relievo::scenes::Surface::ball(40.0), 48.0, 48.0)
-            .frame(96, 96);
+    let ball = ExactScene::orthographic(Surface::ball(40.0), 48.0, 48.0);
+    let frame = ball.frame(96, 96);
     let shown = |environment: Environment| {
-        let mut asked =
-            Asked::of(Material::Mirror, Method::Scale).in_environment(environment, Samples::Auto);
-        asked.scaling.curvature_gain = relievo::params::Adaptive::Fixed(20.0);
+        let asked = Asked::of(Material::Mirror, Method::Scale);
+        let mut asked = asked.in_environment(environment, Samples::Auto);
+        asked.scaling.curvature_gain = Adaptive::Fixed(20.0);
         asked.color(&frame)
     };
     let (calm, sunny) = (shown(sky(2.0)), shown(sky(1e6)));
     let (mut checked, kappa) = (0, 1.0_f64.tanh());
-    for (x, y) in covered(&frame) {
+    for (x, y) in covered(&frame.mask) {
         let (nx, ny) = ((x as f64 - 47.5) / 40.0, (47.5 - y as f64) / 40.0);
         // Away from the rim, which diffusion leaves as it is.
         if nx.hypot(ny) > 0.8 {
@@ -203,17 +182,13 @@ fn a_mirror_ball_is_brighter_where_it_shows_more_than_a_third_of_the_median() {
         let (low, high, e) = (0.25 * (1.0 - intensity), 0.75 * intensity, (-kappa).exp());
         let expected = light * (e * low + high) / (low + e * high);
         let found = f64::from(calm.r.at(x, y));
-        assert!(
-            (found / expected - 1.0).abs() < 0.01,
-            "{x}, {y}: {found}, not {expected}"
-        );
+        let is_near = (found / expected - 1.0).abs() < 0.01;
+        assert!(is_near, "{x}, {y}: {found}, not {expected}");
         // The sun shows in the few pixels that look at its texel, and changes no other by a grey level.
         let moved = f64::from(sunny.r.at(x, y)) / found - 1.0;
-        checked += usize::from(moved.abs() < 1.0 / 255.0);
-        assert!(
-            moved.abs() < 1.0 / 255.0 || moved > 10.0,
-            "{x}, {y}: {moved}"
-        );
+        let is_kept = moved.abs() < 1.0 / 255.0;
+        checked += usize::from(is_kept);
+        assert!(is_kept || moved > 10.0, "{x}, {y}: {moved}");
     }
     assert!(checked > 3_000, "{checked}");
 }
@@ -223,31 +198,22 @@ fn a_sphere_lit_by_a_light_shows_what_the_light_does() {
     // A picture of a white ball under light from (-0.6, 0.6, 0.53), 400 px wide.
     let l = Vec3::new(-0.6, 0.6, 0.53).normalize();
     let ball = Plane::from_fn(400, 400, |x, y| {
-        let (x, y) = (
-            (x as f32 + 0.5) / 200.0 - 1.0,
-            1.0 - (y as f32 + 0.5) / 200.0,
-        );
+        let [x, y] = [x, y].map(|at| (at as f32 + 0.5) / 200.0 - 1.0);
+        let y = -y;
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
         Vec3::new(x, y, z).normalize().dot(l).max(0.0)
     });
-    let sphere = LitSphere::new(ColorPlanes {
-        r: ball.clone(),
-        g: ball.clone(),
-        b: ball,
-    });
+    let sphere = LitSphere::new(ColorPlanes::grey(ball));
     let frame = torus();
     let by_light = Asked::of(Material::Lambert, Method::Plain).color(&frame);
     let mut asked = Asked::of(Material::Lambert, Method::Plain);
-    asked.light = Illumination {
-        lit_spheres: vec![sphere.clone()],
-        ..Illumination::default()
-    };
+    asked.light = Illumination::default();
+    asked.light.lit_spheres.push(sphere.clone());
     let by_sphere = asked.color(&frame);
     // Beside the rim the ball turns quickly from pixel to pixel.
-    let inside = covered(&frame).filter(|&(x, y)| frame.normal.z.at(x, y) > 0.3);
-    let error = inside
-        .map(|(x, y)| (by_light.r.at(x, y) - by_sphere.r.at(x, y)).abs())
-        .fold(0.0, f32::max);
+    let inside = covered(&frame.mask).filter(|&(x, y)| frame.normal.z.at(x, y) > 0.3);
+    let errors = inside.map(|(x, y)| (by_light.r.at(x, y) - by_sphere.r.at(x, y)).abs());
+    let error = errors.fold(0.0, f32::max);
     assert!(error < 0.02, "{error}");
     // Two equal spheres are one.
     asked.light.lit_spheres = vec![sphere.clone(), sphere];
@@ -282,11 +248,7 @@ fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
     let paint = |x: usize| if (x / 8).is_multiple_of(2) { 0.8 } else { 0.4 };
     let plane = Plane::from_fn(97, 94, |x, y| paint(x) * shade(x, y));
     let painted = Frame {
-        color: Some(ColorPlanes {
-            r: plane.clone(),
-            g: plane.clone(),
-            b: plane,
-        }),
+        color: Some(ColorPlanes::grey(plane)),
         ..frame.clone()
     };
     let mut asked = Asked::of(Material::Lambert, Method::Plain);
@@ -294,7 +256,7 @@ fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
     let (mut least, mut most) = ([f32::MAX; 2], [0.0_f32; 2]);
     let lit = asked.color(&painted);
     let bare = Asked::of(Material::Lambert, Method::Plain).color(&painted);
-    for (x, y) in covered(&painted).filter(|&(x, y)| bare.r.at(x, y) > 0.05) {
+    for (x, y) in covered(&painted.mask).filter(|&(x, y)| bare.r.at(x, y) > 0.05) {
         let albedo = lit.r.at(x, y) / bare.r.at(x, y);
         let stripe = x / 8 % 2;
         least[stripe] = least[stripe].min(albedo);
@@ -302,10 +264,8 @@ fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
     }
     // Within a tenth of 0.8 and 0.4, though half of the paint was dark.
     for (stripe, expected) in [0.8, 0.4].into_iter().enumerate() {
-        assert!(
-            least[stripe] > 0.9 * expected && most[stripe] < 1.1 * expected,
-            "{least:?} {most:?}"
-        );
+        let is_flat = least[stripe] > 0.9 * expected && most[stripe] < 1.1 * expected;
+        assert!(is_flat, "{least:?} {most:?}");
     }
 }
 
@@ -316,11 +276,7 @@ fn coverage_is_multiplied_in_once() {
     let frame = torus();
     let flat = |value: f32| Plane::filled(97, 94, value);
     let thin = Frame {
-        color: Some(ColorPlanes {
-            r: flat(0.3),
-            g: flat(0.3),
-            b: flat(0.3),
-        }),
+        color: Some(ColorPlanes::grey(flat(0.3))),
         alpha: Some(flat(0.6)),
         ..frame.clone()
     };
@@ -387,12 +343,9 @@ fn the_grain_of_an_occlusion_layer_stays_out_of_the_light() {
     asked.light = lights(&[]);
     let color = asked.color(&frame).r;
     let off = |x: usize, y: usize| f64::from(color.at(x, y) - share(x));
-    let all = || (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let mean = |at: &dyn Fn(usize) -> bool| {
-        let squares: Vec<f64> = all()
-            .filter(|[x, _]| at(*x))
-            .map(|[x, y]| off(x, y).powi(2))
-            .collect();
+        let squares = places(width, height).filter(|(x, _)| at(*x));
+        let squares: Vec<f64> = squares.map(|(x, y)| off(x, y).powi(2)).collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     };
     // A Gaussian of sigma 3 leaves 1 / (2 sqrt(pi) 3) = .094 of white noise: .0056. The pixels of the edge itself are closed;

@@ -1,6 +1,7 @@
 //! Environments to a stated error.
 
 use super::{Asked, covered, torus, torus_in_perspective};
+use crate::common::program::fixture;
 use crate::common::relit::surroundings;
 use glam::Vec3;
 use relievo::frame::{ColorPlanes, Frame};
@@ -17,7 +18,8 @@ fn p99(found: &ColorPlanes, truth: &ColorPlanes, frame: &Frame) -> f64 {
         (&found.b, &truth.b),
     ];
     let each = pairs.into_iter().flat_map(|(found, truth)| {
-        covered(frame).map(move |(x, y)| (shown(found.at(x, y)) - shown(truth.at(x, y))).abs())
+        covered(&frame.mask)
+            .map(move |(x, y)| (shown(found.at(x, y)) - shown(truth.at(x, y))).abs())
     });
     let mut each: Vec<f64> = each.collect();
     each.sort_by(f64::total_cmp);
@@ -31,15 +33,13 @@ fn asked(
     map: &Environment,
     samples: Samples,
 ) -> Asked {
-    Asked::of(material, method)
-        .in_environment(map.clone(), samples)
-        .with(|asked| {
-            let of = &mut asked.relight.material;
-            of.coat = [coat; 2];
-            // An albedo of 0.5 with the gains of the defaults.
-            (of.diffuse_gain, of.ambient, of.specular_gain) = (0.45, 0.05, None);
-            asked.relight.environment_gain = Adaptive::Auto;
-        })
+    let mut asked = Asked::of(material, method).in_environment(map.clone(), samples);
+    let of = &mut asked.relight.material;
+    of.coat = [coat; 2];
+    // An albedo of 0.5 with the gains of the defaults.
+    (of.diffuse_gain, of.ambient, of.specular_gain) = (0.45, 0.05, None);
+    asked.relight.environment_gain = Adaptive::Auto;
+    asked
 }
 
 /// A sun of half a degree in a blue sky, over a chequered ground.
@@ -72,8 +72,8 @@ fn studio() -> Environment {
 
 /// Windows of a room by day.
 fn indoors() -> Environment {
-    let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/room.hdr");
-    read_environment(fixture.as_ref()).unwrap().resized(256)
+    let room = read_environment(&fixture("room.hdr"));
+    room.unwrap().resized(256)
 }
 
 #[test]
@@ -92,27 +92,17 @@ fn light_keeps_to_the_error_allowed() {
     ] {
         for (material, coat, methods, allowed) in &cases {
             for (i, &method) in methods.iter().enumerate() {
-                let frame = if i == 0 {
-                    torus()
-                } else {
-                    torus_in_perspective()
-                };
+                let frame = [torus, torus_in_perspective][i]();
                 let asked = |samples| asked(*material, method, *coat, &map, samples);
                 // As many lights as the map has texels: the cut ends at each of them.
                 let truth = asked(Samples::Fixed(256 * 128)).color(&frame);
                 let auto = asked(Samples::Auto).outcome(&frame);
                 let error = p99(auto.color.as_ref().unwrap(), &truth, &frame);
-                let choice = auto
-                    .light_choice
-                    .map_or("maps".into(), |choice| choice.to_string());
+                let choice = auto.light_choice.map(|choice| choice.to_string());
                 let before = p99(&asked(Samples::Fixed(54)).color(&frame), &truth, &frame);
-                println!(
-                    "{name} {material:?} {coat} {method:?}: {error:.1} ({choice}), 54 lights {before:.1}"
-                );
-                assert!(
-                    error <= *allowed,
-                    "{name} {material:?} {coat} {method:?}: {error} ({choice})"
-                );
+                let case = format!("{name} {material:?} {coat} {method:?} ({choice:?})");
+                println!("{case}: {error:.1}, 54 lights {before:.1}");
+                assert!(error <= *allowed, "{case}: {error}");
             }
         }
     }
@@ -122,34 +112,23 @@ fn light_keeps_to_the_error_allowed() {
 fn a_larger_error_takes_fewer_lights() {
     let frame = torus();
     let choice = |levels| {
-        let asked = asked(
-            Material::AshikhminShirley,
-            Method::Both,
-            80.0,
-            &studio(),
-            Samples::Auto,
-        );
-        let asked = asked.with(|asked| asked.relight.light_error = Some(levels));
+        let material = Material::AshikhminShirley;
+        let mut asked = asked(material, Method::Both, 80.0, &studio(), Samples::Auto);
+        asked.relight.light_error = Some(levels);
         asked.outcome(&frame).light_choice.unwrap()
     };
     let [fine, coarse] = [0.5, 40.0].map(choice);
-    assert!(
-        fine.levels < coarse.levels && coarse.levels <= 40.0,
-        "{fine}, {coarse}"
-    );
-    assert!(
-        fine.lights > coarse.lights || fine.samples > coarse.samples,
-        "{fine}, {coarse}"
-    );
+    let errs_less = fine.levels < coarse.levels && coarse.levels <= 40.0;
+    let takes_more = fine.lights > coarse.lights || fine.samples > coarse.samples;
+    assert!(errs_less && takes_more, "{fine}, {coarse}");
 }
 
 #[test]
 fn strange_maps_give_light_that_is_finite() {
     let frame = torus();
     let spot = |value: f32| {
-        Environment::from_fn(64, 32, move |x, y| {
-            [if (x, y) == (40, 9) { value } else { 0.2 }; 3]
-        })
+        let at = |x, y| if (x, y) == (40, 9) { value } else { 0.2 };
+        Environment::from_fn(64, 32, |x, y| [at(x, y); 3])
     };
     let maps = [
         spot(f32::NAN),
@@ -172,15 +151,12 @@ fn strange_maps_give_light_that_is_finite() {
             let method = [Method::Plain, Method::Both][(i + j) % 2];
             let outcome = asked(material, method, coat, map, Samples::Auto).outcome(&frame);
             let color = outcome.color.unwrap();
-            let finite = [&color.r, &color.g, &color.b]
-                .iter()
-                .all(|p| p.samples().iter().all(|v| v.is_finite() && *v >= 0.0));
-            assert!(finite, "map {i}, {material:?} {coat}, {method:?}");
-            assert!(
-                outcome
-                    .light_choice
-                    .is_none_or(|choice| choice.levels.is_finite())
-            );
+            let planes = [&color.r, &color.g, &color.b].into_iter();
+            let mut samples = planes.flat_map(|plane| plane.samples());
+            let is_light = samples.all(|v| v.is_finite() && *v >= 0.0);
+            assert!(is_light, "map {i}, {material:?} {coat}, {method:?}");
+            let choice = outcome.light_choice;
+            assert!(choice.is_none_or(|choice| choice.levels.is_finite()));
         }
     }
 }

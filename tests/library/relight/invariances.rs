@@ -1,7 +1,9 @@
 //! Invariance under threads, crops, mirrors, rotations and poison; extreme values stay finite.
 
-use super::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
-use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
+use super::{Asked, LIT, METHODS, bits, covered, difference, sky, torus, torus_in_perspective};
+use crate::common::{
+    mirrored, mirrored_plane, on_threads, places, poisoned, quarter_turned, quarter_turned_plane,
+};
 use glam::Vec3;
 use relievo::engine::{Engine, Inputs, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
@@ -13,21 +15,9 @@ fn asked(material: Material, method: Method) -> Asked {
     asked
 }
 
-/// Largest difference of two pictures, relative to 1.
-fn difference(a: &ColorPlanes, b: &ColorPlanes) -> f32 {
-    let planes = [(&a.r, &b.r), (&a.g, &b.g), (&a.b, &b.b)];
-    let pairs = planes
-        .into_iter()
-        .flat_map(|(a, b)| a.samples().iter().zip(b.samples()));
-    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
-}
-
 fn each(color: &ColorPlanes, f: impl Fn(&Plane) -> Plane) -> ColorPlanes {
-    ColorPlanes {
-        r: f(&color.r),
-        g: f(&color.g),
-        b: f(&color.b),
-    }
+    let [r, g, b] = [&color.r, &color.g, &color.b].map(f);
+    ColorPlanes { r, g, b }
 }
 
 fn turned(asked: &Asked, turn: impl Fn(Vec3) -> Vec3, degrees: impl Fn(f32) -> f32) -> Asked {
@@ -78,10 +68,7 @@ fn threads_change_no_bit() {
         asked(Material::AshikhminShirley, Method::Plain).in_environment(sky(), Samples::Auto),
     ];
     for asked in cases {
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.unwrap().install(|| bits(&asked.color(&frame)))
-        };
+        let with = |threads| on_threads(threads, || bits(&asked.color(&frame)));
         let expected = with(1);
         for threads in [2, 3, 8] {
             assert!(with(threads) == expected, "{threads} threads");
@@ -92,12 +79,7 @@ fn threads_change_no_bit() {
 #[test]
 fn a_crop_is_lit_as_the_whole() {
     let frame = torus_in_perspective();
-    let part = Window {
-        x0: 11,
-        y0: 7,
-        x1: 90,
-        y1: 81,
-    };
+    let part = Window::at(11, 7, 79, 74);
     let lit = METHODS.map(|method| asked(Material::BlinnPhong, method));
     let around = |asked: &Asked| asked.clone().in_environment(sky(), Samples::Auto);
     let in_environment = lit.each_ref().map(around);
@@ -105,11 +87,10 @@ fn a_crop_is_lit_as_the_whole() {
         let method = asked.relight.method;
         let reach = asked.plan(&frame).unwrap().reach();
         let (whole, cropped) = (asked.color(&frame), asked.color(&frame.crop(part)));
-        for y in reach..part.height() - reach {
-            for x in reach..part.width() - reach {
-                let (a, b) = (whole.r.at(x + 11, y + 7), cropped.r.at(x, y));
-                assert_eq!(a.to_bits(), b.to_bits(), "{method:?} at {x}, {y}");
-            }
+        for (x, y) in places(part.width() - 2 * reach, part.height() - 2 * reach) {
+            let (x, y) = (x + reach, y + reach);
+            let (a, b) = (whole.r.at(x + 11, y + 7), cropped.r.at(x, y));
+            assert_eq!(a.to_bits(), b.to_bits(), "{method:?} at {x}, {y}");
         }
     }
 }
@@ -121,10 +102,8 @@ fn what_lies_outside_the_mask_changes_nothing() {
         let asked = asked(material, Method::Both);
         let expected = bits(&asked.color(&frame));
         for poison in [f32::NAN, f32::INFINITY, -1e30] {
-            assert!(
-                bits(&asked.color(&poisoned(&frame, poison))) == expected,
-                "{material:?}"
-            );
+            let found = bits(&asked.color(&poisoned(&frame, poison)));
+            assert!(found == expected, "{material:?}");
         }
     }
 }
@@ -134,10 +113,8 @@ fn what_is_not_surface_keeps_its_picture() {
     let frame = torus();
     let color = asked(Material::Phong, Method::Both).color(&frame);
     let picture = frame.color.as_ref().unwrap();
-    for y in 0..frame.mask.height() {
-        for x in (0..frame.mask.width()).filter(|&x| !frame.mask.at(x, y)) {
-            assert_eq!(color.r.at(x, y).to_bits(), picture.r.at(x, y).to_bits());
-        }
+    for (x, y) in places(97, 94).filter(|&(x, y)| !frame.mask.at(x, y)) {
+        assert_eq!(color.r.at(x, y).to_bits(), picture.r.at(x, y).to_bits());
     }
 }
 
@@ -145,7 +122,7 @@ fn what_is_not_surface_keeps_its_picture() {
 fn hostile() -> Frame {
     let mut frame = torus();
     let values = [0.0, -1.0, 1e-20, 1.0, -0.0, 0.5];
-    for (i, (x, y)) in super::covered(&frame.clone()).enumerate() {
+    for (i, (x, y)) in covered(&frame.mask.clone()).enumerate() {
         let at = |k: usize| values[(i * 7 + k * 13) % values.len()];
         if i % 3 == 0 {
             frame.normal.x.row_mut(y)[x] = at(0);
@@ -158,24 +135,18 @@ fn hostile() -> Frame {
 
 #[test]
 fn extreme_settings_stay_finite() {
+    let lights = [Vec3::NEG_Z, Vec3::Z, Vec3::new(0.3, -0.2, -0.9), Vec3::X];
+    let lights = super::lights(&lights);
     let spike = super::surroundings(16, |[x, y, _]| {
         let bright = x > 0.8 && y.abs() < 0.3;
         [if bright { 1e6 } else { 0.0 }; 3]
     });
-    let one = Frame {
-        mask: Mask::new(Plane::from_fn(97, 94, |x, y| (x, y) == (40, 30))),
-        ..torus()
-    };
-    let none = Frame {
-        mask: Mask::new(Plane::filled(97, 94, false)),
-        ..torus()
-    };
-    let tiny = torus().crop(Window {
-        x0: 30,
-        y0: 30,
-        x1: 31,
-        y1: 31,
-    });
+    let [one, none] =
+        [|x: usize, y: usize| (x, y) == (40, 30), |_, _| false].map(|is_seen| Frame {
+            mask: Mask::new(Plane::from_fn(97, 94, is_seen)),
+            ..torus()
+        });
+    let tiny = torus().crop(Window::at(30, 30, 1, 1));
     for (name, frame) in [
         ("hostile", hostile()),
         ("one", one),
@@ -186,12 +157,7 @@ fn extreme_settings_stay_finite() {
             for method in METHODS {
                 for extreme in [0.0, 1.0, 1e6] {
                     let mut asked = asked(material, method);
-                    asked.light = super::lights(&[
-                        Vec3::NEG_Z,
-                        Vec3::Z,
-                        Vec3::new(0.3, -0.2, -0.9),
-                        Vec3::new(1.0, 0.0, 0.0),
-                    ]);
+                    asked.light = lights.clone();
                     asked.relight.warping.warp = extreme;
                     asked.scaling.scaling = extreme;
                     asked.scaling.curvature_gain = Adaptive::Fixed(extreme.max(1e-3));
@@ -215,26 +181,21 @@ fn extreme_settings_stay_finite() {
 fn assert_finite(asked: &Asked, frame: &Frame, name: &str) {
     let color = asked.color(frame);
     let material = asked.relight.material.material;
-    let finite = [&color.r, &color.g, &color.b]
-        .into_iter()
-        .all(|plane| plane.samples().iter().all(|v| v.is_finite()));
-    assert!(finite, "{name} {material:?} {:?}", asked.relight);
+    let planes = [&color.r, &color.g, &color.b];
+    let mut samples = planes.into_iter().flat_map(|plane| plane.samples());
+    let is_finite = samples.all(|v| v.is_finite());
+    assert!(is_finite, "{name} {material:?} {:?}", asked.relight);
 }
 
 #[test]
 fn a_hundred_thousand_lights_are_a_lot_and_no_more() {
-    let frame = torus().crop(Window {
-        x0: 25,
-        y0: 25,
-        x1: 45,
-        y1: 45,
-    });
+    let frame = torus().crop(Window::at(25, 25, 20, 20));
     let mut asked = asked(Material::Lambert, Method::Warp);
     let many = relievo::light::light_samples::uniform_directions(100_000);
     asked.light = super::lights(&many);
     let color = asked.color(&frame);
     // The integral of the cosine is pi, each light of 1 stands for 4 pi / n.
-    let mean: f32 = super::covered(&frame).map(|(x, y)| color.r.at(x, y)).sum();
+    let mean: f32 = covered(&frame.mask).map(|(x, y)| color.r.at(x, y)).sum();
     let mean = mean / frame.mask.count() as f32 * 4.0 / 100_000.0;
     assert!(mean > 0.8 && mean < 1.2, "{mean}");
 }
@@ -248,10 +209,8 @@ fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
         let plan = asked.plan(&frame).unwrap();
         let inputs = Inputs::lit_by(&asked.light);
         let outcome = engine.execute(&plan, &frame, inputs, &Run::new()).unwrap();
-        let made = outcome
-            .timings
-            .iter()
-            .any(|(stage, _)| *stage == "environment");
+        let mut timings = outcome.timings.iter();
+        let made = timings.any(|(stage, _)| *stage == "environment");
         (bits(outcome.color.as_ref().unwrap()), made)
     };
     let first = run(&asked);

@@ -10,8 +10,8 @@ mod raking;
 mod shadows;
 mod sums;
 
-use crate::common::cpu;
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
+use crate::common::{apart, covered, cpu, default_but};
 use glam::Vec3;
 use relievo::engine::{Inputs, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Plane};
@@ -37,14 +37,8 @@ impl Asked {
     /// Light of 1 from 30 degrees above the upper left, on white.
     fn of(material: Material, method: Method) -> Self {
         Self {
-            shape: ShapeParams {
-                scale: Scale::Iterations(4),
-                ..ShapeParams::default()
-            },
-            scaling: ScalingParams {
-                curvature_gain: Adaptive::Fixed(12.0),
-                ..ScalingParams::default()
-            },
+            shape: default_but(|shape: &mut ShapeParams| shape.scale = Scale::Iterations(4)),
+            scaling: default_but(|s: &mut ScalingParams| s.curvature_gain = Adaptive::Fixed(12.0)),
             relight: RelightParams {
                 method,
                 albedo: AlbedoSource::White,
@@ -72,10 +66,7 @@ fn lights(directions: &[Vec3]) -> Illumination {
         to_light: direction.normalize(),
         intensity: [1.0; 3],
     });
-    Illumination {
-        directional: directional.collect(),
-        ..Illumination::default()
-    }
+    default_but(|light: &mut Illumination| light.directional = directional.collect())
 }
 
 fn torus() -> Frame {
@@ -91,11 +82,13 @@ fn sky() -> Environment {
     relit::sky(4)
 }
 
-fn covered(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let mask = &frame.mask;
-    (0..mask.height())
-        .flat_map(|y| (0..mask.width()).map(move |x| (x, y)))
-        .filter(|&(x, y)| mask.at(x, y))
+/// The largest difference of two pictures.
+fn difference(a: &ColorPlanes, b: &ColorPlanes) -> f32 {
+    let planes = [(&a.r, &b.r), (&a.g, &b.g), (&a.b, &b.b)];
+    planes
+        .map(|(a, b)| apart(a, b))
+        .into_iter()
+        .fold(0.0, f32::max)
 }
 
 fn bits(color: &ColorPlanes) -> Vec<u32> {

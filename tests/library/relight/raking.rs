@@ -1,6 +1,7 @@
 //! Raking light from the azimuth that shows each region best.
 
 use super::{Asked, bits, sky, torus_in_perspective};
+use crate::common::{apart, places};
 use glam::{DVec2, Vec3};
 use relievo::frame::{Frame, Normals};
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -30,17 +31,16 @@ fn bank(i: usize) -> (DVec2, DVec2) {
 fn ground() -> Frame {
     let mut random = 1_u64;
     let mut uniform = || {
-        random = random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        random = random.wrapping_mul(6_364_136_223_846_793_005);
+        random = random.wrapping_add(1_442_695_040_888_963_407);
         (random >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
     };
     let mut normals = Vec::new();
-    for (y, x) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (y, x))) {
+    for (x, y) in places(WIDTH, HEIGHT) {
         let at = DVec2::new(x as f64, y as f64);
         let turn = std::f64::consts::TAU / 150.0;
-        let mut slope =
-            3.0 * turn * DVec2::new((turn * at.x).cos(), (turn * at.y + 1.0).cos()) * 0.5;
+        let rolling = DVec2::new((turn * at.x).cos(), (turn * at.y + 1.0).cos());
+        let mut slope = 3.0 * turn * rolling * 0.5;
         let i = (at.x / CELL) as usize + COLUMNS * (at.y / CELL) as usize;
         let (middle, across) = bank(i);
         let (off, along) = ((at - middle).dot(across), (at - middle).dot(across.perp()));
@@ -69,9 +69,9 @@ fn shown(asked: &Asked, frame: &Frame) -> [f64; BANKS] {
         let (middle, across) = bank(i);
         let spots = |off: f64| {
             let steps = (-(half as i32) + 5)..(half as i32 - 5);
-            let spots: Vec<f64> = steps
-                .map(|along| at(middle + off * across + f64::from(along) * across.perp()))
-                .collect();
+            let start = middle + off * across;
+            let spots = steps.map(|along| at(start + f64::from(along) * across.perp()));
+            let spots: Vec<f64> = spots.collect();
             spots.iter().sum::<f64>() / spots.len() as f64
         };
         let flanks = spots(sigma) - spots(-sigma);
@@ -84,10 +84,9 @@ fn shown(asked: &Asked, frame: &Frame) -> [f64; BANKS] {
 fn raking(raking: Raking) -> Asked {
     Asked::of(Material::Lambert, Method::Plain).with(|asked| {
         asked.relight.raking = raking;
-        asked.light = Illumination {
-            directional: vec![DirectionalLight::white([135.0, 30.0])],
-            ..Illumination::default()
-        };
+        asked.light = Illumination::default();
+        let lamp = DirectionalLight::white([135.0, 30.0]);
+        asked.light.directional.push(lamp);
     })
 }
 
@@ -113,8 +112,7 @@ fn flat_ground_is_lit_as_given() {
     let frame = Frame::builder(80, 60).normals(Normals::view(&normals));
     let frame = frame.build().unwrap();
     let [best, given] = [Raking::Best, Raking::Given].map(|how| raking(how).color(&frame));
-    let pairs = best.g.samples().iter().zip(given.g.samples());
-    pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-4, "{a} {b}"));
+    assert!(apart(&best.g, &given.g) < 1e-4);
 }
 
 /// Highlights, warping and alignment follow lamps that rake.

@@ -1,19 +1,12 @@
 //! Shadows of a sun against those of a path tracer, over heights and over depth.
 
 use super::{Asked, lights, surroundings};
-use crate::common::exr;
+use crate::common::files::load;
+use crate::common::program::fixture;
+use crate::common::{exr, places};
 use relievo::frame::{Frame, Plane, StoredDepth, Window};
-use relievo::io::inputs::Inputs;
-use relievo::io::{Needs, load};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{Material, Method, Samples, Shadows};
-use std::path::{Path, PathBuf};
-
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
 
 /// What arrives at each pixel of a sun `width_deg` wide.
 fn arrives(frame: &Frame, elevation_deg: f32, width_deg: f32) -> Vec<f32> {
@@ -63,32 +56,21 @@ fn heights_cast_the_shadows_of_a_path_tracer() {
 
 #[test]
 fn a_bust_in_depth_casts_the_shadows_of_a_path_tracer() {
-    let inputs = Inputs {
-        picture: fixture("bust.exr"),
-        camera: Some(fixture("bust.camera.json")),
-        ..Inputs::default()
-    };
-    let frame = load(
-        &inputs,
-        Needs {
-            projection: true,
-            ..Needs::default()
-        },
-    )
-    .unwrap()
-    .frame;
+    let frame = load(fixture("bust.exr"), |inputs, needs| {
+        inputs.camera = Some(fixture("bust.camera.json"));
+        needs.projection = true;
+    });
+    let frame = frame.frame;
     // What the head hides of itself has to be guessed.
     overlaps_by(0.85, &frame, "bust.shadows.exr");
 }
 
 fn relief() -> Frame {
-    let inputs = Inputs {
-        picture: fixture("relief.exr"),
-        depth: Some("height.Y".into()),
-        depth_kind: Some(StoredDepth::Height),
-        ..Inputs::default()
-    };
-    load(&inputs, Needs::default()).unwrap().frame
+    let relief = load(fixture("relief.exr"), |inputs, _| {
+        inputs.depth = Some("height.Y".into());
+        inputs.depth_kind = Some(StoredDepth::Height);
+    });
+    relief.frame
 }
 
 /// The light of an environment is hidden as that of its texels is, each a sun with shadows of its own.
@@ -109,8 +91,7 @@ fn horizons_hide_the_light_of_an_environment() {
         ("lamp", surroundings(40, lamp)),
         ("even", surroundings(40, |_| [1.0; 3])),
     ] {
-        let texels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
-        let suns = texels.map(|(x, y)| {
+        let suns = places(map.width(), map.height()).map(|(x, y)| {
             let share = (map.solid_angle(y) / std::f64::consts::PI) as f32;
             DirectionalLight {
                 to_light: map.direction(x, y),
@@ -124,24 +105,17 @@ fn horizons_hide_the_light_of_an_environment() {
         });
         let exact = asked.clone().with(|asked| {
             asked.relight.shadows = Shadows::On;
-            asked.light = Illumination {
-                directional: suns,
-                ..Illumination::default()
-            };
+            asked.light = Illumination::default();
+            asked.light.directional = suns;
         });
         let by_horizons = |shadows| {
-            let asked = asked.clone().in_environment(map.clone(), Samples::Auto);
-            asked
-                .with(|asked| asked.relight.sky_shadows = shadows)
-                .color(&frame)
-                .g
+            let mut asked = asked.clone().in_environment(map.clone(), Samples::Auto);
+            asked.relight.sky_shadows = shadows;
+            asked.color(&frame).g
         };
         let exact = exact.color(&frame).g;
-        let error = |found: Plane| levels_apart(&exact, &found);
-        let (open, hidden) = (
-            error(by_horizons(Shadows::Off)),
-            error(by_horizons(Shadows::On)),
-        );
+        let error = |shadows| levels_apart(&exact, &by_horizons(shadows));
+        let [open, hidden] = [Shadows::Off, Shadows::On].map(error);
         assert!(open[1] > 30.0, "{name}: {open:?}");
         assert!(hidden[0] < 1.5 && hidden[1] < 10.0, "{name}: {hidden:?}");
     }
@@ -180,8 +154,6 @@ fn levels_apart(truth: &Plane, found: &Plane) -> [f32; 2] {
     let shown = |v: &f32| 255.0 * (v / white).clamp(0.0, 1.0).powf(1.0 / 2.2);
     let pairs = truth.samples().iter().zip(found.samples());
     let apart: Vec<f32> = pairs.map(|(a, b)| (shown(a) - shown(b)).abs()).collect();
-    [
-        apart.iter().sum::<f32>() / apart.len() as f32,
-        nth(apart, 0.99),
-    ]
+    let mean = apart.iter().sum::<f32>() / apart.len() as f32;
+    [mean, nth(apart, 0.99)]
 }

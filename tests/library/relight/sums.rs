@@ -1,12 +1,11 @@
 //! The sum over lights against the reference, for every material and method.
 
 use super::{Asked, LIT, METHODS, bits, covered, lights, torus, torus_in_perspective};
+use crate::common::cpu::described;
 use glam::{DVec3, Vec3};
-use relievo::engine::{Engine, Request, Run};
-use relievo::frame::Frame;
-use relievo::light::lights::PointLight;
-use relievo::params::{Adaptive, Material, Params, Tangent};
-use relievo::plan::Goal;
+use relievo::frame::{Frame, Plane, SightLines};
+use relievo::light::lights::{Illumination, PointLight};
+use relievo::params::{Adaptive, Material, Method, Tangent};
 use relievo::scenes::light_reference::{Pixel, Settings, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
@@ -17,13 +16,7 @@ fn worst(
 ) -> f64 {
     let outcome = asked.outcome(frame);
     let color = outcome.color.as_ref().unwrap();
-    let params = Params {
-        shape: asked.shape,
-        ..Params::default()
-    };
-    let layers = Request::new(Goal::LAYERS, params);
-    let layers = Engine::cpu().run(&layers, frame, &Run::new()).unwrap();
-    let hessian = layers.shape.hessian.unwrap();
+    let hessian = described(frame, asked.shape).shape.hessian.unwrap();
     let gain = outcome.gain.unwrap_or(0.0);
     let m = &asked.relight.material;
     let settings = Settings {
@@ -35,8 +28,8 @@ fn worst(
     };
     let mut largest = 0.0_f64;
     let mut differences = Vec::new();
-    for (x, y) in covered(frame) {
-        let at = |plane: &relievo::frame::Plane| f64::from(plane.at(x, y));
+    for (x, y) in covered(&frame.mask) {
+        let at = |plane: &Plane| f64::from(plane.at(x, y));
         let angle = match m.tangent {
             Tangent::Degrees(angle) => f64::from(angle),
             Tangent::Curvature => 0.0,
@@ -55,11 +48,8 @@ fn worst(
             differences.push((at(&color.r) - expected).abs());
         }
     }
-    assert!(
-        differences.len() > 2000,
-        "the horizon spares only {}",
-        differences.len()
-    );
+    let count = differences.len();
+    assert!(count > 2000, "the horizon spares only {count}");
     assert!(largest > 0.1, "nothing is lit");
     differences.into_iter().fold(0.0, f64::max) / largest
 }
@@ -105,10 +95,7 @@ fn every_material_and_method_agrees_with_the_papers() {
 
 #[test]
 fn curvature_toward_the_light_agrees_with_the_paper() {
-    for method in [
-        relievo::params::Method::Scale,
-        relievo::params::Method::Both,
-    ] {
+    for method in [Method::Scale, Method::Both] {
         for anisotropy in [-1.0, 0.5, 1.0] {
             let mut asked = Asked::of(Material::Phong, method);
             asked.scaling.anisotropy = anisotropy;
@@ -124,29 +111,24 @@ fn curvature_toward_the_light_agrees_with_the_paper() {
 fn a_point_light_is_a_direction_and_a_fall_off_for_every_pixel() {
     let frame = torus_in_perspective();
     let projection = frame.camera.unwrap().projection;
-    let sight = relievo::frame::SightLines::new(projection);
+    let sight = SightLines::new(projection);
     let depth = frame.depth.clone().unwrap();
     // Some 70 units in front of a point of the ring.
-    let (x, y) = covered(&frame).next().unwrap();
-    let near = sight.point(
-        x as f64,
-        y as f64,
-        depth.at(x, y).into(),
-        frame.source.depth_kind,
-    );
+    let (x, y) = covered(&frame.mask).next().unwrap();
+    let kind = frame.source.depth_kind;
+    let near = sight.point(x as f64, y as f64, depth.at(x, y).into(), kind);
     let position = near.as_vec3() + Vec3::new(-20.0, 30.0, 60.0);
     for method in METHODS {
         let mut asked = Asked::of(Material::BlinnPhong, method);
-        asked.light = relievo::light::lights::Illumination {
-            points: vec![PointLight {
-                position,
-                intensity: [5000.0; 3],
-            }],
-            ..Default::default()
-        };
+        let intensity = [5000.0; 3];
+        asked.light = Illumination::default();
+        asked.light.points.push(PointLight {
+            position,
+            intensity,
+        });
         let error = worst(&asked, &frame, |x, y| {
             let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
-            let point = sight.point(px, py, depth.at(x, y).into(), frame.source.depth_kind);
+            let point = sight.point(px, py, depth.at(x, y).into(), kind);
             let to = position.as_dvec3() - point;
             vec![(to.normalize(), 5000.0 / to.length_squared())]
         });
@@ -171,16 +153,15 @@ fn hundreds_of_lights_add_up_and_none_is_lost() {
 #[test]
 fn a_cartoon_has_as_many_tones_as_asked_for() {
     let frame = torus();
-    let mut asked = Asked::of(Material::Toon, relievo::params::Method::Both);
+    let mut asked = Asked::of(Material::Toon, Method::Both);
     asked.relight.toon_levels = Some(5);
     asked.relight.toon_softness = 0.0;
     asked.scaling.curvature_gain = Adaptive::Auto;
     // [LW] figure 10: contrast comes before the tones, and leaves them flat.
     asked.relight.warping.contrast = 0.7;
     let color = asked.color(&frame);
-    let mut tones: Vec<u32> = covered(&frame)
-        .map(|(x, y)| (color.r.at(x, y).sqrt() * 5.0 * 1000.0).round() as u32)
-        .collect();
+    let tone = |(x, y)| (color.r.at(x, y).sqrt() * 5.0 * 1000.0).round() as u32;
+    let mut tones: Vec<u32> = covered(&frame.mask).map(tone).collect();
     tones.sort_unstable();
     tones.dedup();
     // Whole fifths of the square root, up to that of the light itself: warped and scaled it adds none.
@@ -193,7 +174,7 @@ fn a_cartoon_has_as_many_tones_as_asked_for() {
 fn convexities_and_concavities_are_scaled_apart() {
     let frame = torus_in_perspective();
     let of = |convex, concave| {
-        let mut asked = Asked::of(Material::Phong, relievo::params::Method::Scale);
+        let mut asked = Asked::of(Material::Phong, Method::Scale);
         asked.scaling.scaling_convex = convex;
         asked.scaling.scaling_concave = concave;
         bits(&asked.color(&frame))
