@@ -7,6 +7,7 @@
 use super::enlarged::{around_pixel, samples};
 use super::gap::of_frame::is_beside;
 use super::gap::scale::GapScale;
+use super::repair::squares::mean_over_squares;
 use super::{Frame, Mask, Plane};
 use crate::kernel::quantile::quantile;
 use crate::params::ShapeParams;
@@ -23,11 +24,12 @@ const DENSE: f32 = 0.28;
 /// From this share of such places on, the pixels between them are clutter too.
 const BETWEEN: f32 = 0.2;
 
-/// The radius within which a mass is averaged, as a share of the picture's size.
+/// The radius within which a mass is averaged, as a share of the picture's size; and that of fur.
 const MASS: f32 = 1.0 / 60.0;
+const FUR: f32 = 1.0 / 30.0;
 
 /// Pixels that are averaged, to each side at the most: of wide masses every second one, or third.
-const MOST_STEPS: usize = 4;
+const MOST_STEPS: usize = 6;
 
 /// What differs by less than this share of the picture's longer side in depth is of one mass.
 const DEEP: f32 = 0.05;
@@ -50,11 +52,19 @@ impl Frame {
         let mut is_clutter = share_around(&dense, reach).map(|share| share > BETWEEN);
         let scale = GapScale::of(self, ShapeParams::default().silhouette);
         let specks = specks(depth, &self.mask, &scale);
-        is_clutter.each_with(&specks, |own, is_speck| *own |= is_speck);
+        let fur = self.fur(depth, reach);
+        for more in [&specks, &fur] {
+            is_clutter.each_with(more, |own, is_more| *own |= is_more);
+        }
         if !is_clutter.samples().contains(&true) {
             return None;
         }
-        Some(Masses::new(self, (depth, scale), is_clutter).averaged())
+        let mut calm = Masses::new(self, scale, is_clutter, MASS).averaged();
+        let has_fur = fur.samples().contains(&true);
+        for share in [FUR, FUR, MASS].into_iter().filter(|_| has_fur) {
+            calm = Masses::new(&calm, scale, fur.clone(), share).averaged();
+        }
+        Some(calm)
     }
 }
 
@@ -82,26 +92,8 @@ fn is_of_one_mass(scale: &GapScale, depths: [f32; 2]) -> bool {
 }
 
 /// The share of pixels within so many columns and rows that are set; beyond the picture none is.
-fn share_around(is_set: &Plane<bool>, reach: usize) -> Plane {
-    let (width, height) = (is_set.width(), is_set.height());
-    // Sums over all pixels above and to the left.
-    let mut sums = vec![0_u32; (width + 1) * (height + 1)];
-    for y in 0..height {
-        let mut along = 0;
-        for x in 0..width {
-            along += u32::from(is_set.at(x, y));
-            sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + along;
-        }
-    }
-    let (sums, all) = (&sums, ((2 * reach + 1) as f32).powi(2));
-    Plane::of_pixels(width, height, |x, y| {
-        let (top, bottom) = (y.saturating_sub(reach), (y + reach + 1).min(height));
-        let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(width));
-        let before = |x: usize, y: usize| sums[y * (width + 1) + x];
-        let sum = before(right, bottom) + before(left, top);
-        let sum = sum - before(left, bottom) - before(right, top);
-        sum as f32 / all
-    })
+pub(super) fn share_around(is_set: &Plane<bool>, reach: usize) -> Plane {
+    mean_over_squares(&is_set.map(|is_set| f32::from(u8::from(is_set))), reach)
 }
 
 /// The masses of a frame.
@@ -118,12 +110,10 @@ struct Masses<'a> {
 }
 
 impl<'a> Masses<'a> {
-    fn new(
-        frame: &'a Frame,
-        (depth, scale): (&'a Plane, GapScale),
-        is_clutter: Plane<bool>,
-    ) -> Self {
-        let radius = (MASS * frame.display_window.size_px()).round().max(1.0) as usize;
+    /// The masses of pixels of clutter, averaged within this share of the picture's size.
+    fn new(frame: &'a Frame, scale: GapScale, is_clutter: Plane<bool>, share: f32) -> Self {
+        let depth = frame.depth.as_ref().expect("clutter is told by depth");
+        let radius = (share * frame.display_window.size_px()).round().max(1.0) as usize;
         let step = radius.div_ceil(MOST_STEPS);
         let mut masses = Self {
             frame,
@@ -208,9 +198,18 @@ impl<'a> Masses<'a> {
             let depths = [middle, self.depth.at(*x, *y)];
             self.frame.mask.at(*x, *y) && is_of_one_mass(&self.scale, depths)
         };
-        let values = self.around([x, y]).filter(is_of_mass);
-        let add = |(sum, count), [x, y]: [usize; 2]| (sum + plane.at(x, y), count + 1.0);
-        let (sum, count) = values.fold((0.0, 0.0), add);
+        // Of those in the clutter and those beside it, whichever are more.
+        let mut sums = [[0.0, 0.0]; 2];
+        for at in self.around([x, y]).filter(is_of_mass) {
+            let [sum, count] = &mut sums[usize::from(self.is_clutter.at(at[0], at[1]))];
+            (*sum, *count) = (*sum + plane.at(at[0], at[1]), *count + 1.0);
+        }
+        let is_beside = sums[0][1] > sums[1][1];
+        // What is seen between strands stays as it is.
+        if is_beside && is_of_mass(&[x, y]) {
+            return plane.at(x, y);
+        }
+        let [sum, count] = sums[usize::from(!is_beside)];
         sum / f32::max(count, 1.0)
     }
 }

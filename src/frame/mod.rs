@@ -11,6 +11,7 @@ pub(crate) mod depth;
 pub(crate) mod detail;
 mod enlarged;
 pub(crate) mod from_depth;
+mod fur;
 pub(crate) mod gap;
 mod light_layers;
 mod mask;

@@ -4,7 +4,7 @@ mod confidence;
 mod holes;
 mod noise;
 mod noise_left;
-mod squares;
+pub(super) mod squares;
 mod tiled;
 mod unrounded;
 

@@ -35,7 +35,7 @@ pub(super) fn over_squares(
 }
 
 /// The mean over the square around each pixel, with 0 beyond the plane.
-pub(super) fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
+pub(in crate::frame) fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
     let side = (2 * reach + 1) as f32;
     sum_over_squares(plane, reach).map(|sum| sum / (side * side))
 }
