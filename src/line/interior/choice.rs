@@ -155,7 +155,7 @@ pub(super) fn chosen(
         let kinds = taken.iter_mut().zip(apart);
         kinds.for_each(|(taken, apart)| mark(taken, at, apart));
     };
-    drawn.for_each(|at| take(&mut taken, at, [sizes.apart[0]; 3]));
+    drawn.for_each(|at| take(&mut taken, at, sizes.apart));
     let mut lines: Vec<(f32, Interior)> =
         lines.into_iter().map(|line| (worth(&line), line)).collect();
     // Ridges come last: beside a valley they double it.
