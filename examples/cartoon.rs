@@ -9,7 +9,7 @@ mod common;
 
 use relievo::io::read_environment;
 use relievo::light::lights::Illumination;
-use relievo::params::{Method, RelightParams, Samples, ScalingParams, WarpingParams};
+use relievo::params::{Method, RelightParams, SampleCount, ScalingParams, WarpingParams};
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -59,7 +59,7 @@ fn exaggerated(toon_levels: Option<u32>) -> RelightParams {
         },
         toon_levels,
         toon_softness: 0.1,
-        samples: Samples::Fixed(500),
+        samples: SampleCount::Fixed(500),
         ..RelightParams::default()
     }
 }

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frame = io::load(&inputs, needs)?.frame;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::LAYERS, Available::in_frame(&frame), shape, scaling)?;
-    let (engine, inputs) = (Engine::cpu(), engine::Inputs::default());
+    let (engine, inputs) = (Engine::cpu(), engine::PlanInputs::default());
     let shape = engine.execute(&plan, &frame, inputs, &Run::new())?.shape;
     let line = which.map(|directions| LineParams {
         directions,

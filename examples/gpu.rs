@@ -13,7 +13,7 @@ use relievo::io::{Needs, load};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{
-    Adaptive, AlbedoSource, LineParams, Material, Method, RelightParams, Samples, Scale,
+    Adaptive, AlbedoSource, LineParams, Material, Method, RelightParams, SampleCount, Scale,
     ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeScale, Style,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
@@ -127,7 +127,7 @@ fn lighting(frame: &Frame, method: Method, light: &Illumination) -> relievo::Res
     let mut relight = RelightParams {
         method,
         albedo: AlbedoSource::White,
-        samples: Samples::Fixed(54),
+        samples: SampleCount::Fixed(54),
         ..RelightParams::default()
     };
     relight.material.material = Material::BlinnPhong;
@@ -147,9 +147,9 @@ fn measure(
     light: Option<&Illumination>,
 ) -> relievo::Result<()> {
     let on_cpu = Engine::cpu();
-    let inputs = engine::Inputs {
+    let inputs = engine::PlanInputs {
         illumination: light,
-        ..engine::Inputs::default()
+        ..engine::PlanInputs::default()
     };
     let by_cpu = || on_cpu.execute(plan, frame, inputs, &Run::new());
     let by_device = || engine.execute(plan, frame, inputs, &Run::new());

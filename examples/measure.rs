@@ -18,7 +18,7 @@
 //! around, is compared too.
 
 use glam::DVec2;
-use relievo::engine::{Engine, Inputs, Outcome, Request, Run};
+use relievo::engine::{Engine, Outcome, PlanInputs, Request, Run};
 use relievo::frame::{
     ColorPlanes, Frame, Mask, Plane, SpecularScene, SymmetricPlanes, Vector2Planes,
 };
@@ -26,9 +26,9 @@ use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
-    Adaptive, LineParams, Material, Method, Params, RelightParams, Samples, Scale, ScalingParams,
-    ShapeParams, Solver, SpecularParams, StrokeDirections, StrokeParams, StrokeScale, Style,
-    ToneParams,
+    Adaptive, LineParams, Material, Method, Params, RelightParams, SampleCount, Scale,
+    ScalingParams, ShapeParams, Solver, SpecularParams, StrokeDirections, StrokeParams,
+    StrokeScale, Style, ToneParams,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::light_reference::{
@@ -177,7 +177,7 @@ impl Case {
 
     fn outcome(&self, engine: &Engine) -> Result<Outcome, relievo::Error> {
         engine.forget_environment();
-        let inputs = Inputs::lit_by(&self.light);
+        let inputs = PlanInputs::lit_by(&self.light);
         engine.execute(&self.plan, &self.frame, inputs, &Run::new())
     }
 
@@ -347,9 +347,9 @@ fn stroke_field(
         specular: mirror.map(|(_, params)| params),
         ..Available::in_frame(frame)
     };
-    let inputs = Inputs {
+    let inputs = PlanInputs {
         specular: mirror.map(|(scene, _)| scene),
-        ..Inputs::default()
+        ..PlanInputs::default()
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::Hatch(Tone::Picture, *line), available, shape, scaling)?;
@@ -413,7 +413,7 @@ fn light_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
         };
         let lights: Rc<[DirectionalLight]> = lights.into();
         let exact = move |pixel: &Pixel, settings: &Settings| lit(pixel, &lights, settings);
-        let mut params = white(material, method, Samples::Auto);
+        let mut params = white(material, method, SampleCount::Auto);
         cases.push(light_case(&name, &frame, &light, params, exact.clone())?);
         if material == Material::AshikhminShirley {
             params.material.coat = [10.0, 300.0];
@@ -433,7 +433,7 @@ fn light_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
         let d = luminance(shown) / largest;
         Some(shown.map(|c| c * sigma(d, x, s.scaling.invariant_point.into())))
     };
-    let params = white(Material::Lambert, Scale, Samples::Fixed(0));
+    let params = white(Material::Lambert, Scale, SampleCount::Fixed(0));
     let name = "environment, prefiltered, Lambert";
     cases.push(light_case(name, &frame, &light, params, exact)?);
     Ok(cases)

@@ -6,7 +6,7 @@
 //! that of the divergence of slopes (scale 2), against that of the exact normals, over its root mean square.
 
 use half::f16;
-use relievo::engine::{Engine, Inputs as Given, Run};
+use relievo::engine::{Engine, PlanInputs as Given, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane, StoredDepth, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};

@@ -7,7 +7,7 @@ use relievo::frame::Frame;
 use relievo::light::light_samples::light_disc;
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{
-    Material, Method, RelightParams, Samples, ScalingParams, Shadows, ShapeParams,
+    Material, Method, RelightParams, SampleCount, ScalingParams, Shadows, ShapeParams,
 };
 use relievo::plan::{Available, Goal, Plan};
 use relievo::scenes::Scene;
@@ -50,7 +50,7 @@ pub(crate) fn cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
             shadows: Shadows::On,
             light_size: size,
             shadow_fill: 0.0,
-            ..white(Material::Lambert, Method::Plain, Samples::Auto)
+            ..white(Material::Lambert, Method::Plain, SampleCount::Auto)
         };
         let available = Available::in_frame(&frame).lit_by(&light);
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());

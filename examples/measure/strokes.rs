@@ -5,7 +5,7 @@
 
 use super::{Outcomes, direction_at, half_bright, pen, stroke_field};
 use glam::DVec2;
-use relievo::engine::{Engine, Inputs, Run};
+use relievo::engine::{Engine, PlanInputs, Run};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes};
 use relievo::io::{Needs, inputs, load};
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams};
@@ -74,7 +74,7 @@ impl Card {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let available = Available::in_frame(&self.frame);
         let plan = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling)?;
-        let (inputs, run) = (Inputs::default(), Run::new());
+        let (inputs, run) = (PlanInputs::default(), Run::new());
         let outcome = Engine::cpu().execute(&plan, &self.frame, inputs, &run)?;
         Ok(outcome.drawing.ok_or("a drawing was planned")?.hatching)
     }

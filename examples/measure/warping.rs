@@ -6,12 +6,12 @@
 
 use super::{Outcomes, hessian, luminance, ms, quartiles, some_covered};
 use rayon::prelude::*;
-use relievo::engine::{Engine, Inputs, Outcome, Run};
+use relievo::engine::{Engine, Outcome, PlanInputs, Run};
 use relievo::frame::{ColorPlanes, Frame};
 use relievo::light::light_samples::uniform_lights;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
-    Material, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
+    Material, Method, RelightParams, SampleCount, ScalingParams, ShapeParams, WarpBy,
 };
 use relievo::plan::{Available, Goal, Plan};
 use relievo::scenes::light_reference::{Pixel, Settings, lit, white};
@@ -47,7 +47,7 @@ pub(super) fn print() -> Outcomes<()> {
         for count in COUNTS {
             let by = [WarpBy::Lookups, WarpBy::Lights].map(|warp_by| RelightParams {
                 warp_by,
-                samples: Samples::Fixed(count),
+                samples: SampleCount::Fixed(count),
                 ..params
             });
             let [by_lookups, by_lights] = waves.measured(&by, &known)?;
@@ -59,7 +59,7 @@ pub(super) fn print() -> Outcomes<()> {
 
 /// White: diffuse, or glossy alone, by a lobe that shows a constant environment unchanged.
 fn params(material: Material) -> RelightParams {
-    let mut params = white(material, Method::Warp, Samples::Auto);
+    let mut params = white(material, Method::Warp, SampleCount::Auto);
     if material == Material::Phong {
         params.material.diffuse_gain = 0.0;
         params.material.specular_gain = Some(0.5 * (params.material.shininess + 1.0));
@@ -78,7 +78,7 @@ impl Waves {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let available = Available::in_frame(&self.frame).lit_by(&self.light);
         let plan = Plan::new(Goal::Relight(*params), available, shape, scaling)?;
-        let (inputs, run) = (Inputs::lit_by(&self.light), Run::new());
+        let (inputs, run) = (PlanInputs::lit_by(&self.light), Run::new());
         Ok(self.engine.execute(&plan, &self.frame, inputs, &run)?)
     }
 

@@ -2,7 +2,7 @@
 
 use super::job::Job;
 use super::motion::Steps;
-use crate::engine::{Engine, Inputs};
+use crate::engine::{Engine, PlanInputs};
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Surroundings};
 use crate::io::Loaded;
@@ -15,7 +15,7 @@ use crate::work::{FrameWork, light_of};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Inputs and state shared by all frames.
+/// PlanInputs and state shared by all frames.
 pub(super) struct Kit {
     pub(super) engine: Engine,
     pub(super) light: Illumination,
@@ -80,8 +80,8 @@ impl Kit {
         job: &Job,
         loaded: &mut Loaded,
         small: Option<&Frame>,
-        inputs: Inputs,
-        draw: impl FnOnce(&mut Frame, Inputs) -> Result<Outcome>,
+        inputs: PlanInputs,
+        draw: impl FnOnce(&mut Frame, PlanInputs) -> Result<Outcome>,
     ) -> Result<Outcome> {
         job.in_turn(|| {
             let mut course = self.course.lock().unwrap_or_else(PoisonError::into_inner);
@@ -98,7 +98,7 @@ impl Kit {
                 before: course.coordinates.as_ref(),
                 motion: motion.as_ref(),
             };
-            let inputs = Inputs {
+            let inputs = PlanInputs {
                 sequence: Some(sequence),
                 ..inputs
             };

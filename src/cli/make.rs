@@ -8,7 +8,7 @@ use super::strips;
 use crate::command::chosen::{Chosen, look_at_depth};
 use crate::command::map::MapArgs;
 use crate::engine::run::ENLARGE;
-use crate::engine::{Inputs, Progress, Run};
+use crate::engine::{PlanInputs, Progress, Run};
 use crate::error::Result;
 use crate::frame::{Frame, Plane, SpecularScene};
 use crate::io::Loaded;
@@ -79,7 +79,7 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
         job.tell_plan(plan);
         if work.goes_by_rows() {
             let (engine, frame) = (&kit.engine, &mut loaded.frame);
-            let layers = engine.execute_for_rows(plan, frame, Inputs::default(), &run)?;
+            let layers = engine.execute_for_rows(plan, frame, PlanInputs::default(), &run)?;
             job.note_gain(plan, layers.outcome.gain);
             job.release_spare_memory(&kit.engine);
             let chosen = job.write_layers(&loaded, &layers, read, |rows| {
@@ -88,12 +88,12 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
             kit.engine.recycle(layers.outcome);
             return Ok(chosen);
         }
-        let inputs = Inputs {
+        let inputs = PlanInputs {
             specular: scene.as_ref(),
             art_map: kit.art_map.as_ref(),
-            ..Inputs::lit_by(&light)
+            ..PlanInputs::lit_by(&light)
         };
-        let draw = |frame: &mut Frame, inputs: Inputs| {
+        let draw = |frame: &mut Frame, inputs: PlanInputs| {
             kit.engine.execute_sparingly(plan, frame, inputs, &run)
         };
         let outcome = match moves {

@@ -195,7 +195,7 @@ fn plan(work: &dyn FrameWork, kit: &Kit, strip: &Loaded, choices: &Choices) -> R
 /// The result of a strip.
 fn run(work: &dyn FrameWork, kit: &Kit, plan: &Plan, strip: &Frame) -> Result<Outcome> {
     let runner = kit.engine.cpu_runner();
-    let mut outcome = runner.execute(plan, strip, engine::Inputs::lit_by(&kit.light))?;
+    let mut outcome = runner.execute(plan, strip, engine::PlanInputs::lit_by(&kit.light))?;
     outcome.mix(strip, 1.0, &work.args().flags.params);
     Ok(outcome)
 }

@@ -8,7 +8,7 @@ use crate::engine::cpu::runner::RunFrame;
 use crate::engine::gpu;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu::{AdapterKind, Device};
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::engine::part::FramePart;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
@@ -145,7 +145,7 @@ impl Engine {
         let available = Available::in_frame(&frame);
         let plan = request.clone().fitted(&frame, times).plan(available)?;
         let light = request.light(available);
-        let inputs = Inputs {
+        let inputs = PlanInputs {
             illumination: Some(&light),
             specular: scene.as_ref().or(given),
             ..request.inputs
@@ -165,7 +165,7 @@ impl Engine {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
     ) -> Result<Outcome> {
         self.execute_to(plan, RunFrame::Shared(frame), inputs, run, |_, _| ())
@@ -176,7 +176,7 @@ impl Engine {
         &self,
         plan: &Plan,
         mut held: RunFrame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
         complete: impl FnOnce(&Frame, &mut Outcome),
     ) -> Result<Outcome> {
@@ -211,7 +211,7 @@ impl Engine {
         &self,
         plan: &Plan,
         frame: RunFrame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
     ) -> Result<Outcome> {
         match self.on_device(plan, frame.get(), inputs, run)? {
@@ -232,7 +232,7 @@ impl Engine {
         &self,
         plan: &Plan,
         frame: &mut Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
     ) -> Result<Outcome> {
         self.execute_to(plan, RunFrame::Own(frame), inputs, run, |_, _| ())
@@ -247,7 +247,7 @@ impl Engine {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
     ) -> Result<Option<Outcome>> {
         run.watch().check()?;
@@ -303,7 +303,7 @@ impl Engine {
         &self,
         _: &Plan,
         _: &Frame,
-        _: Inputs,
+        _: PlanInputs,
         _: &Run,
     ) -> Result<Option<Outcome>> {
         Ok(None)
@@ -320,7 +320,7 @@ impl Engine {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         params: &LineParams,
     ) -> Result<Vec<Vector2Planes>> {
         if !plan.wants(Product::Conductance) {
@@ -364,7 +364,7 @@ impl Engine {
         &'a self,
         plan: &'a Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
     ) -> Result<RowLayers<'a>> {
         let whole = |outcome| RowLayers::whole(&self.cpu, plan, outcome);
@@ -454,7 +454,7 @@ mod tests {
         for _ in 0..3 {
             let warn = |text: &str| said.lock().unwrap().push(text.to_string());
             let run = Run::new().warn(&warn);
-            let found = engine.execute(&plan, &frame, Inputs::default(), &run);
+            let found = engine.execute(&plan, &frame, PlanInputs::default(), &run);
             let found = found.unwrap();
             for ((product, found), (_, expected)) in found.products().zip(expected.products()) {
                 assert_eq!(product.difference(&found, &expected), 0.0);
@@ -515,7 +515,7 @@ mod tests {
             let warn = |text: &str| said.lock().unwrap().push(text.to_string());
             let run = Run::new().warn(&warn);
             let found = engine
-                .execute(&plan, frame, Inputs::default(), &run)
+                .execute(&plan, frame, PlanInputs::default(), &run)
                 .unwrap();
             let said = said.into_inner().unwrap();
             assert_eq!(said.len(), expected.iter().count(), "{said:?}");
@@ -550,7 +550,7 @@ mod tests {
                 }
             };
             let run = Run::new().progress(&tell).cancel(&token);
-            let made = engine.execute(&plan, &frame, Inputs::default(), &run);
+            let made = engine.execute(&plan, &frame, PlanInputs::default(), &run);
             (made, said.into_inner().unwrap())
         };
         let (whole, said) = run(None);
@@ -579,7 +579,7 @@ mod tests {
         for _ in 0..2 {
             let warn = |text: &str| panic!("{text}");
             let run = Run::new().warn(&warn);
-            let done = engine.execute(&plan, &frame, Inputs::default(), &run);
+            let done = engine.execute(&plan, &frame, PlanInputs::default(), &run);
             let error = done.unwrap_err();
             assert!(matches!(error, Error::Gpu { .. }), "{error}");
         }

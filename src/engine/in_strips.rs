@@ -2,7 +2,7 @@
 
 use crate::engine::backends::Engine;
 use crate::engine::cpu::runner::RunFrame;
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::engine::part::FramePart;
 use crate::engine::run::Run;
 use crate::engine::strip_search::StripSearch;
@@ -66,7 +66,7 @@ impl Engine {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         run: &Run,
         most_bytes: u64,
     ) -> Result<Outcome> {
@@ -133,7 +133,7 @@ impl Engine {
 fn part_of(
     plan: &Plan,
     frame: &Frame,
-    inputs: Inputs,
+    inputs: PlanInputs,
     takes: &Range<usize>,
     gives: &Range<usize>,
 ) -> Result<FramePart> {

@@ -1,4 +1,4 @@
-//! Inputs of a plan beside the frame, and the check that both fit the plan.
+//! PlanInputs of a plan beside the frame, and the check that both fit the plan.
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane, SpecularScene};
@@ -11,9 +11,9 @@ use crate::params::Style;
 use crate::plan::execution::RunInputs;
 use crate::plan::{Available, Plan};
 
-/// Inputs of a plan beside the frame.
+/// PlanInputs of a plan beside the frame.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Inputs<'a> {
+pub struct PlanInputs<'a> {
     /// The lights, for relighting.
     pub illumination: Option<&'a Illumination>,
     /// The texture of strokes, for [`crate::params::Style::Pictures`].
@@ -24,8 +24,8 @@ pub struct Inputs<'a> {
     pub sequence: Option<SequenceInputs<'a>>,
 }
 
-impl<'a> Inputs<'a> {
-    /// Inputs for relighting.
+impl<'a> PlanInputs<'a> {
+    /// PlanInputs for relighting.
     pub fn lit_by(illumination: &'a Illumination) -> Self {
         Self {
             illumination: Some(illumination),

@@ -17,7 +17,7 @@ pub(crate) mod tiles;
 pub(crate) mod tolerances;
 
 pub use crate::engine::backends::Engine;
-pub use crate::engine::inputs::Inputs;
+pub use crate::engine::inputs::PlanInputs;
 pub use crate::engine::request::Request;
 pub use crate::engine::run::Run;
 pub use crate::engine::session::Session;

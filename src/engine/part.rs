@@ -1,6 +1,6 @@
 //! The part of a frame, and of the inputs beside it, that a region depends on.
 
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene, Vector2Planes, Window};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
@@ -23,7 +23,7 @@ impl FramePart {
         region: Window,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
     ) -> Result<Self> {
         let whole = frame.data_window;
         if region.common(&whole) != Some(region) {
@@ -57,8 +57,8 @@ impl FramePart {
     }
 
     /// The inputs of the whole frame, restricted to this part.
-    pub(crate) fn inputs<'p>(&'p self, of_whole: Inputs<'p>) -> Inputs<'p> {
-        Inputs {
+    pub(crate) fn inputs<'p>(&'p self, of_whole: PlanInputs<'p>) -> PlanInputs<'p> {
+        PlanInputs {
             specular: self.specular.as_ref(),
             sequence: of_whole.sequence.map(|sequence| SequenceInputs {
                 motion: self.motion.as_ref(),

@@ -1,6 +1,6 @@
 //! Requests: the result wanted, its parameters, and the inputs beside the frame.
 
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, LightKinds};
@@ -27,7 +27,7 @@ pub struct Request<'a> {
     /// Whether an enhanced picture is scaled by the occlusion of the shape, in place of a layer.
     pub computes_occlusion: bool,
     /// The inputs beside the frame.
-    pub inputs: Inputs<'a>,
+    pub inputs: PlanInputs<'a>,
 }
 
 impl<'a> Request<'a> {
@@ -38,7 +38,7 @@ impl<'a> Request<'a> {
             params,
             specular: None,
             computes_occlusion: false,
-            inputs: Inputs::default(),
+            inputs: PlanInputs::default(),
         }
     }
 

@@ -173,7 +173,7 @@ impl<'a> Run<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Engine, Inputs};
+    use crate::engine::{Engine, PlanInputs};
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::watch::Progress;
     use crate::plan::{Available, Goal, Plan};
@@ -190,7 +190,7 @@ mod tests {
         let plan = Plan::new(Goal::LAYERS, Available::in_frame(&large), shape, scaling).unwrap();
         let engine = Engine::cpu();
         engine
-            .execute(&plan, &large, Inputs::default(), &run)
+            .execute(&plan, &large, PlanInputs::default(), &run)
             .unwrap();
         let said = said.into_inner().unwrap();
         assert!(said.is_sorted_by(|a, b| a.1 <= b.1), "{said:?}");

@@ -2,7 +2,7 @@
 
 use crate::engine::backends::Engine;
 use crate::engine::cpu::runner::RunFrame;
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
@@ -68,7 +68,7 @@ impl<F: AsRef<Frame>> Session<F> {
     pub fn run(&mut self, request: &Request, run: &Run) -> Result<&Outcome> {
         let available = Available::in_frame(self.held.as_ref());
         let (plan, light) = (request.plan(available)?, request.light(available));
-        let inputs = Inputs {
+        let inputs = PlanInputs {
             illumination: Some(&light),
             ..request.inputs
         };
@@ -82,7 +82,7 @@ impl<F: AsRef<Frame>> Session<F> {
     ///
     /// # Errors
     /// As [`Engine::execute`].
-    pub fn execute(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<&Outcome> {
+    pub fn execute(&mut self, plan: &Plan, inputs: PlanInputs, run: &Run) -> Result<&Outcome> {
         if run.region.is_some() || run.max_memory.is_some() {
             return Err(Error::Unfit {
                 found: "a session keeps what it makes of whole frames, and a region or strips are asked for"
@@ -106,7 +106,7 @@ impl<F: AsRef<Frame>> Session<F> {
         Ok(self.outcome())
     }
 
-    fn execute_on_cpu(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<()> {
+    fn execute_on_cpu(&mut self, plan: &Plan, inputs: PlanInputs, run: &Run) -> Result<()> {
         let mut last = std::mem::take(&mut self.outcome);
         self.kept.recycle(&mut last.shape);
         self.runner.recycle(last);

@@ -46,8 +46,8 @@ pub(crate) use relight::AUTO_SAMPLES;
 #[cfg(feature = "cli")]
 pub(crate) use relight::MAX_LIGHTS;
 pub use relight::{
-    AlbedoSource, Material, MaterialParams, Method, Quantisation, Raking, RelightParams, Samples,
-    Shadows, Tangent, WarpBy, WarpingParams,
+    AlbedoSource, Material, MaterialParams, Method, Quantisation, Raking, RelightParams,
+    SampleCount, Shadows, Tangent, WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
 pub use scale_bar::{PixelSize, ScaleBar};

@@ -106,7 +106,7 @@ pub(crate) const MAX_LIGHTS: u32 = 100_000;
 number_or_word! {
     /// Number of samples that represent an environment.
     #[derive(Eq)]
-    pub enum Samples {
+    pub enum SampleCount {
         /// Prefiltered if the material allows it, else as many as in the paper.
         Auto = "auto",
         /// A fixed number; 0 uses prefiltered maps.
@@ -226,7 +226,7 @@ params! {
             flag: "--middle-light", form: "L|auto", group: Group::Light,
             valid: LEVELS, useful: by_factors(0.01, 10.0);
         /// Number of lights that sample the environment and each area light; 0 uses prefiltered maps; auto chooses.
-        samples: Samples = Samples::Auto,
+        samples: SampleCount = SampleCount::Auto,
             flag: "--samples", form: "N|auto", group: Group::Light,
             valid: 0.0..=MAX_LIGHTS as f32, useful: even(0.0, 256.0);
         /// Error allowed in light from an environment, in grey levels of 255: 2, or 4 under a coat.

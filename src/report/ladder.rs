@@ -2,7 +2,7 @@
 
 use super::subject::{BACKEND, ReportSubject, Variation};
 use crate::command::commands::Command;
-use crate::params::{Samples, Scale, Solver};
+use crate::params::{SampleCount, Scale, Solver};
 
 /// The most explicit steps worth a try.
 const MOST_STEPS: f64 = 400.0;
@@ -33,7 +33,7 @@ pub(super) fn ladders(subject: &ReportSubject) -> Vec<Ladder> {
         .light()
         .map(|args| args.params().samples);
     let samples = samples.filter(|_| is_relit && subject.light.environment.is_some());
-    let is_sampled = samples.is_some_and(|samples| samples != Samples::Fixed(0));
+    let is_sampled = samples.is_some_and(|samples| samples != SampleCount::Fixed(0));
     let makes = |map: &str| match &subject.command {
         Command::Map(args) | Command::Normals(args) => {
             args.parts().iter().any(|part| part.name.starts_with(map))
@@ -46,7 +46,7 @@ pub(super) fn ladders(subject: &ReportSubject) -> Vec<Ladder> {
         (diffuses, "tolerance", &["0.1", "0.01", "0.001"], "1e-5", "1e-6"),
         (is_expanded, "solver", &["explicit"], "chebyshev", "chebyshev"),
         (is_sampled, "samples", &["12", "54", "100", "400", "1600", "auto"], "2048", "4096"),
-        (samples == Some(Samples::Auto), "light-error", &["8", "1"], "", ""),
+        (samples == Some(SampleCount::Auto), "light-error", &["8", "1"], "", ""),
         (subject.is_specular(), "search-steps", &["16", "32", "64", "256"], "512", "1024"),
         (makes("height"), "height-tolerance", &["1e-2", "1e-3", "1e-5"], "3e-6", "1e-6"),
         (makes("occlusion"), "occlusion-slices", &["2", "4", "16"], "32", "64"),

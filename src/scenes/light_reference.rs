@@ -8,8 +8,8 @@ use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
 use crate::params::{
-    Adaptive, AlbedoSource, Magnitude, Material, MaterialParams, Method, RelightParams, Samples,
-    ScalingParams, Tangent,
+    Adaptive, AlbedoSource, Magnitude, Material, MaterialParams, Method, RelightParams,
+    SampleCount, ScalingParams, Tangent,
 };
 use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -43,7 +43,7 @@ pub struct Settings<'a> {
 }
 
 /// White of one material with gains of 1, without ambient light.
-pub fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
+pub fn white(material: Material, method: Method, samples: SampleCount) -> RelightParams {
     RelightParams {
         method,
         samples,

@@ -1,7 +1,7 @@
 //! What a command makes of a frame in memory: the steps of the command line between reading and writing.
 
 use super::{FrameSeen, FrameWork, Results};
-use crate::engine::{Engine, Inputs, Run};
+use crate::engine::{Engine, PlanInputs, Run};
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene};
 use crate::io::colorspace::Chromaticities;
@@ -52,10 +52,10 @@ impl<'a> Making<'a> {
             ..self.seen()
         };
         for plan in work.plans(&mut seen)? {
-            let inputs = Inputs {
+            let inputs = PlanInputs {
                 specular: scene.as_ref().or(self.specular),
                 art_map: art_map.as_ref(),
-                ..Inputs::lit_by(&seen.light)
+                ..PlanInputs::lit_by(&seen.light)
             };
             let outcome = engine.execute(&plan, frame, inputs, run)?;
             engine.recycle(work.take(&mut made, &plan, outcome));

@@ -16,8 +16,8 @@ use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
 use crate::params::{
-    AUTO_SAMPLES, AlbedoSource, Bend, MAX_LIGHTS, Params, Raking, RelightParams, Samples, Shadows,
-    SpecularParams, in_range,
+    AUTO_SAMPLES, AlbedoSource, Bend, MAX_LIGHTS, Params, Raking, RelightParams, SampleCount,
+    Shadows, SpecularParams, in_range,
 };
 use crate::plan::outcome::Outcome;
 use crate::plan::{Available, Goal, Plan};
@@ -251,7 +251,7 @@ pub(crate) fn lights(args: &RelightArgs) -> Result<Illumination> {
         })
         .collect();
     let samples = match args.params().samples {
-        Samples::Fixed(count) if count > 0 => count,
+        SampleCount::Fixed(count) if count > 0 => count,
         _ => AUTO_SAMPLES,
     };
     let count = directional.len() + flags.point_light.len();

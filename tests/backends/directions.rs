@@ -4,7 +4,7 @@ use super::{assert_alike, on_gpu, plan};
 use crate::common::cpu;
 use crate::common::{in_8_bits, poisoned};
 use glam::{DMat3, DVec3};
-use relievo::engine::Inputs;
+use relievo::engine::PlanInputs;
 use relievo::engine::gpu::DeviceRunner;
 use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
@@ -23,7 +23,7 @@ fn assert_same_directions(name: &str, runner: &DeviceRunner, frame: &Frame) {
         };
         let plan = plan(Goal::LAYERS, frame, shape, ScalingParams::default());
         let (found, expected) = (
-            runner.execute(&plan, frame, Inputs::default()).unwrap(),
+            runner.execute(&plan, frame, PlanInputs::default()).unwrap(),
             cpu::run(&plan, frame).unwrap(),
         );
         assert_alike(&format!("{name}, {step:?}"), &found, &expected, |product| {

@@ -6,7 +6,7 @@ use crate::common::cpu;
 use crate::common::poisoned;
 use glam::DVec3;
 use relievo::engine::gpu::DeviceRunner;
-use relievo::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};
+use relievo::engine::{Outcome, PlanInputs, SequenceInputs, TextureCoordinates};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::line::tonal_art_map::TonalArtMap;
@@ -39,10 +39,10 @@ pub(super) fn assert_drawn(
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::Hatch(tone, line), available, shape, scaling).unwrap();
     let map = (line.strokes.style == Style::Pictures).then(pictures);
-    let inputs = Inputs {
+    let inputs = PlanInputs {
         art_map: map.as_ref(),
         illumination: Some(&lamp),
-        ..Inputs::default()
+        ..PlanInputs::default()
     };
     let expected = cpu::execute(&plan, frame, inputs).unwrap();
     let found = runner.execute(&plan, frame, inputs).unwrap();
@@ -332,10 +332,10 @@ fn strokes_move_with_the_surface() {
                     before: before.as_ref(),
                     motion: Some(motion),
                 };
-                let inputs = Inputs {
+                let inputs = PlanInputs {
                     art_map: Some(&map),
                     sequence: Some(sequence),
-                    ..Inputs::default()
+                    ..PlanInputs::default()
                 };
                 let expected = cpu::execute(&plan, frame, inputs).unwrap();
                 let drawing = expected.drawing.as_ref().unwrap();

@@ -3,7 +3,7 @@
 use super::{assert_same, on_gpu, plan, waves};
 use crate::common::cpu;
 use crate::common::poisoned;
-use relievo::engine::Inputs;
+use relievo::engine::PlanInputs;
 use relievo::frame::Window;
 use relievo::params::{Adaptive, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
@@ -34,7 +34,7 @@ fn colors_that_are_no_numbers() {
         let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
         let expected = cpu::run(&plan, &frame).unwrap().color.unwrap();
         let found = runner
-            .execute(&plan, &frame, Inputs::default())
+            .execute(&plan, &frame, PlanInputs::default())
             .unwrap()
             .color
             .unwrap();
@@ -135,7 +135,7 @@ fn a_crop_is_the_whole_away_from_its_border() {
         let (x0, y0) = (window.x0 + 31, window.y0 + 22);
         let crop = frame.crop(Window::at(x0, y0, 140, 101));
         let part = runner
-            .execute(&plan, &crop, Inputs::default())
+            .execute(&plan, &crop, PlanInputs::default())
             .unwrap()
             .color
             .unwrap();

@@ -15,7 +15,7 @@ mod relight;
 
 use crate::common::cpu;
 use relievo::engine::gpu::{self, AdapterKind, Device};
-use relievo::engine::{Inputs, Outcome};
+use relievo::engine::{Outcome, PlanInputs};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
@@ -51,7 +51,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 #[track_caller]
 fn assert_same(name: &str, runner: &gpu::DeviceRunner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame).unwrap();
-    let found = runner.execute(plan, frame, Inputs::default()).unwrap();
+    let found = runner.execute(plan, frame, PlanInputs::default()).unwrap();
     let layers = plan.wants(Product::MappedCurvature);
     assert_alike(name, &found, &expected, |product| {
         (layers != (product == Product::Picture)).then(|| product.tolerance())

@@ -131,7 +131,7 @@ fn tiles() {
             };
             let plan = plan(Goal::LAYERS, &frame, shape, ScalingParams::default());
             let [found, expected] = engines.each_ref().map(|engine| {
-                let inputs = relievo::engine::Inputs::default();
+                let inputs = relievo::engine::PlanInputs::default();
                 engine.execute(&plan, &frame, inputs, &Run::new()).unwrap()
             });
             let name = format!("tile {wraps:?} at {sigma}");

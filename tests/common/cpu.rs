@@ -1,18 +1,18 @@
 //! Plans run on the CPU.
 
 use relievo::Result;
-use relievo::engine::{Drawing, Engine, Inputs, Outcome, Run};
+use relievo::engine::{Drawing, Engine, Outcome, PlanInputs, Run};
 use relievo::frame::Frame;
 use relievo::params::{LineParams, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan, Tone};
 
 /// Runs a plan with no inputs beside `frame`.
 pub fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
-    execute(plan, frame, Inputs::default())
+    execute(plan, frame, PlanInputs::default())
 }
 
 /// Runs a plan with its `inputs` beside `frame`.
-pub fn execute(plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+pub fn execute(plan: &Plan, frame: &Frame, inputs: PlanInputs) -> Result<Outcome> {
     Engine::cpu().execute(plan, frame, inputs, &Run::new())
 }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use relievo::frame::Frame;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
-use relievo::params::{Material, Method, RelightParams, Samples, ScalingParams, ShapeParams};
+use relievo::params::{Material, Method, RelightParams, SampleCount, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::scenes::{ExactScene, Surface};
 
@@ -23,7 +23,7 @@ impl Asked {
         self
     }
 
-    pub fn in_environment(self, environment: Environment, samples: Samples) -> Self {
+    pub fn in_environment(self, environment: Environment, samples: SampleCount) -> Self {
         self.with(|asked| {
             asked.light = Illumination {
                 environment: Some(environment.into()),

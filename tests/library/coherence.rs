@@ -7,7 +7,7 @@
 
 use crate::common::{covered, default_but};
 use relievo::Result;
-use relievo::engine::{Engine, Inputs, Outcome, Run, SequenceInputs, TextureCoordinates};
+use relievo::engine::{Engine, Outcome, PlanInputs, Run, SequenceInputs, TextureCoordinates};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
@@ -133,10 +133,10 @@ impl SequenceDrawer {
         let lines = self.draw_lines(frame)?;
         let plan = self.plan(frame, tone, self.line)?;
         let draw = |sequence| {
-            let inputs = Inputs {
+            let inputs = PlanInputs {
                 illumination: Some(&self.lamp),
                 sequence,
-                ..Inputs::default()
+                ..PlanInputs::default()
             };
             self.engine.execute(&plan, frame, inputs, &Run::new())
         };
@@ -160,7 +160,7 @@ impl SequenceDrawer {
     /// The ink of lines only; levels for their widths come from the first frame.
     fn draw_lines(&mut self, frame: &Frame) -> Result<Plane> {
         let plan = self.plan(frame, Tone::Picture, self.lines_alone)?;
-        let inputs = Inputs::default();
+        let inputs = PlanInputs::default();
         let outcome = self.engine.execute(&plan, frame, inputs, &Run::new())?;
         let interior = self.lines_alone.interior.as_mut();
         if let (Some(interior), Some(levels)) = (interior, outcome.line_levels) {
@@ -248,12 +248,12 @@ impl SequenceDrawer {
         let available = Available::in_frame(card);
         let goal = Goal::Hatch(Tone::Picture, line);
         let plan = Plan::new(goal, available, self.shape, self.scaling)?;
-        let inputs = Inputs {
+        let inputs = PlanInputs {
             sequence: Some(SequenceInputs {
                 before: before.map(|(coordinates, _)| coordinates),
                 motion: before.map(|(_, motion)| motion),
             }),
-            ..Inputs::default()
+            ..PlanInputs::default()
         };
         let outcome = self.engine.execute(&plan, card, inputs, &Run::new())?;
         let drawing = outcome.drawing.expect("a drawing was planned");

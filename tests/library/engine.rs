@@ -4,7 +4,7 @@ use crate::common::{bits, default_but};
 use glam::{DAffine3, DVec3, Vec3};
 use relievo::Error;
 use relievo::engine::{
-    CancelToken, Drawing, Engine, Inputs, Progress, Request, Run, SequenceInputs, Session,
+    CancelToken, Drawing, Engine, PlanInputs, Progress, Request, Run, SequenceInputs, Session,
 };
 use relievo::frame::{
     Camera, ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Plane, Projection,
@@ -86,11 +86,11 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
     let sphere = new_light(with_sphere);
     let engine = Engine::cpu();
     for (plan, frame, inputs, what) in [
-        (&relit, &frame, Inputs::default(), "takes light"),
-        (&sphere, &frame, Inputs::lit_by(&light), "1 lit spheres"),
-        (&even, &frame, Inputs::lit_by(&light), "other lamps"),
-        (&enhanced, &bare, Inputs::default(), "takes a picture"),
-        (&drawn, &frame, Inputs::default(), "texture of strokes"),
+        (&relit, &frame, PlanInputs::default(), "takes light"),
+        (&sphere, &frame, PlanInputs::lit_by(&light), "1 lit spheres"),
+        (&even, &frame, PlanInputs::lit_by(&light), "other lamps"),
+        (&enhanced, &bare, PlanInputs::default(), "takes a picture"),
+        (&drawn, &frame, PlanInputs::default(), "texture of strokes"),
     ] {
         let done = engine.execute(plan, frame, inputs, &Run::new());
         let error = done.unwrap_err();

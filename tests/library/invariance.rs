@@ -6,7 +6,7 @@ use crate::common::{
     quarter_turned_plane,
 };
 use glam::DVec3;
-use relievo::engine::{Engine, Inputs, Outcome, Run};
+use relievo::engine::{Engine, Outcome, PlanInputs, Run};
 use relievo::frame::{Frame, Plane, Window};
 use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
 use relievo::plan::{Available, Goal, Plan};
@@ -149,7 +149,7 @@ fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
         {
             let engine = Engine::cpu().with_options(options(width, height, sweeps));
             let plan = plan(case, frame);
-            let cut = engine.execute(&plan, frame, Inputs::default(), &Run::new());
+            let cut = engine.execute(&plan, frame, PlanInputs::default(), &Run::new());
             assert_same_bits(&whole, &cut.unwrap());
         }
     }
@@ -161,7 +161,7 @@ fn memory_used_again_leaves_no_trace() {
     for (frame, case) in &cases() {
         let case = *case;
         let plan = plan(case, frame);
-        let again = engine.execute(&plan, frame, Inputs::default(), &Run::new());
+        let again = engine.execute(&plan, frame, PlanInputs::default(), &Run::new());
         let again = again.unwrap();
         assert_same_bits(&run(case, frame), &again);
         engine.recycle(again);

@@ -79,12 +79,12 @@ impl Asked {
 
     fn run_anew(&self, frame: &Frame) -> Outcome {
         let (plan, light) = (self.plan(frame), light(self.azimuth));
-        cpu::execute(&plan, frame, engine::Inputs::lit_by(&light)).unwrap()
+        cpu::execute(&plan, frame, engine::PlanInputs::lit_by(&light)).unwrap()
     }
 
     fn run_on<'l>(&self, live: &'l mut Session<Frame>) -> &'l Outcome {
         let (plan, light) = (self.plan(live.held()), light(self.azimuth));
-        let inputs = engine::Inputs::lit_by(&light);
+        let inputs = engine::PlanInputs::lit_by(&light);
         live.execute(&plan, inputs, &Run::new()).unwrap()
     }
 }

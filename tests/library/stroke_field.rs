@@ -7,7 +7,7 @@ use crate::common::{
     places, quantile, quarter_turned, without_depth,
 };
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
-use relievo::engine::{Engine, Inputs};
+use relievo::engine::{Engine, PlanInputs};
 use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Vector3Planes, Window};
 use relievo::params::{Fallback, FieldParams, LineParams, ShapeParams, StrokeDirections};
 use relievo::plan::Goal;
@@ -19,7 +19,7 @@ fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> 
     let plan = cpu::plan(Goal::Display, frame, ShapeParams::default()).unwrap();
     let mut line = LineParams::default();
     (line.field, line.directions) = (*params, directions);
-    let found = Engine::cpu().stroke_fields(&plan, frame, Inputs::default(), &line);
+    let found = Engine::cpu().stroke_fields(&plan, frame, PlanInputs::default(), &line);
     let found = found.unwrap();
     for (x, y) in places(frame.mask.width(), frame.mask.height()) {
         for field in &found {

@@ -12,5 +12,5 @@ pub(crate) fn run(
     plan: &crate::plan::Plan,
     frame: &crate::frame::Frame,
 ) -> crate::Result<crate::engine::Outcome> {
-    Runner::default().execute(plan, frame, crate::engine::Inputs::default())
+    Runner::default().execute(plan, frame, crate::engine::PlanInputs::default())
 }

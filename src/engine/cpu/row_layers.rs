@@ -1,7 +1,7 @@
 //! Layers whose last stages run while they are written: what some rows tell is never there as a whole.
 
 use crate::engine::cpu::runner::{Passage, RunFrame};
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::engine::tiles::rows_of;
 use crate::error::Result;
 use crate::frame::memory::Memory;
@@ -42,7 +42,7 @@ impl Runner {
         &'a self,
         plan: &'a Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         watch: Watch,
     ) -> Result<RowLayers<'a>> {
         inputs.check(plan, frame)?;
@@ -154,7 +154,7 @@ mod tests {
                 scaling,
             );
             let (plan, runner, frame) = (plan.unwrap(), Runner::default(), scene.clone());
-            let (inputs, watch) = (Inputs::default(), Watch::default());
+            let (inputs, watch) = (PlanInputs::default(), Watch::default());
             let whole = runner.execute(&plan, &frame, inputs).unwrap();
             let layers = runner
                 .execute_for_rows(&plan, &frame, inputs, watch)

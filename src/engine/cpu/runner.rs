@@ -1,6 +1,6 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::engine::part::FramePart;
 use crate::error::Result;
 use crate::frame::memory::Memory;
@@ -157,7 +157,12 @@ impl Runner {
     /// # Errors
     /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
     #[cfg(any(test, feature = "cli"))]
-    pub(crate) fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+    pub(crate) fn execute(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: PlanInputs,
+    ) -> Result<Outcome> {
         self.execute_watched(
             plan,
             RunFrame::Shared(frame),
@@ -175,7 +180,7 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: RunFrame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         watch: Watch,
         kept: Option<&mut FrameCache>,
     ) -> Result<Outcome> {
@@ -201,7 +206,7 @@ impl Runner {
         plan: &Plan,
         whole: &Frame,
         changed: Window,
-        inputs: Inputs,
+        inputs: PlanInputs,
         watch: Watch,
     ) -> Result<Outcome> {
         if changed.width() == 0 {
@@ -251,7 +256,7 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         params: &LineParams,
     ) -> Vec<Vector2Planes> {
         assert!(plan.wants(Product::Conductance), "strokes stop at edges");
@@ -397,12 +402,17 @@ mod tests {
     }
 
     /// Runs a plan on a frame that nobody else reads.
-    fn alone(runner: &Runner, plan: &Plan, frame: &mut Frame, inputs: Inputs) -> Result<Outcome> {
+    fn alone(
+        runner: &Runner,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: PlanInputs,
+    ) -> Result<Outcome> {
         runner.execute_watched(plan, RunFrame::Own(frame), inputs, Watch::default(), None)
     }
 
     /// Runs a plan both ways; the frame that is left, and the outcome.
-    fn assert_sparing(plan: &Plan, inputs: Inputs) -> (Frame, Outcome) {
+    fn assert_sparing(plan: &Plan, inputs: PlanInputs) -> (Frame, Outcome) {
         let (runner, mut frame) = (Runner::default(), bumps());
         let whole = runner.execute(plan, &frame, inputs).unwrap();
         let made = alone(&runner, plan, &mut frame, inputs);
@@ -423,7 +433,7 @@ mod tests {
     fn an_enhanced_picture_leaves_no_shape_behind() {
         let (available, shape) = (Available::in_frame(&bumps()), ShapeParams::default());
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default());
-        let (frame, made) = assert_sparing(&plan.unwrap(), Inputs::default());
+        let (frame, made) = assert_sparing(&plan.unwrap(), PlanInputs::default());
         assert_ne!(made.color, frame.color);
         assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
     }
@@ -452,7 +462,7 @@ mod tests {
             ScalingParams::default(),
         );
         let (plan, runner) = (plan.unwrap(), Runner::default());
-        let inputs = Inputs::lit_by(&light);
+        let inputs = PlanInputs::lit_by(&light);
         let whole = runner.execute(&plan, &frame, inputs).unwrap();
         assert!(changed_part(&plan, &frame).is_some());
         let own = frame.color.clone().unwrap().r;
@@ -485,10 +495,12 @@ mod tests {
         let is_in = |x: usize, y: usize| (4..24).contains(&x) && (8..30).contains(&y);
         let strength = |x, y| 0.5 * f32::from(is_in(x, y));
         frame.strength = Some(Plane::from_fn(width, height, strength));
-        let whole = runner.execute(&plan, &frame, Inputs::default()).unwrap();
+        let whole = runner
+            .execute(&plan, &frame, PlanInputs::default())
+            .unwrap();
         assert!(changed_part(&plan, &frame).is_some());
         let part = |frame: &mut Frame| {
-            let run = alone(&runner, &plan, frame, Inputs::default());
+            let run = alone(&runner, &plan, frame, PlanInputs::default());
             run.unwrap()
         };
         let made = part(&mut frame);
@@ -530,7 +542,7 @@ mod tests {
                 let shape = ShapeParams::default();
                 let goal = Goal::Relight(params);
                 let plan = Plan::new(goal, available, shape, scaling).unwrap();
-                let (frame, _) = assert_sparing(&plan, Inputs::lit_by(&light));
+                let (frame, _) = assert_sparing(&plan, PlanInputs::lit_by(&light));
                 assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
             }
         }
@@ -542,7 +554,7 @@ mod tests {
         for tone in [Tone::Enhanced, Tone::Shape(None)] {
             let (scaling, params) = (ScalingParams::default(), LineParams::default());
             let plan = Plan::new(Goal::Hatch(tone, params), available, shape, scaling).unwrap();
-            let (_, made) = assert_sparing(&plan, Inputs::default());
+            let (_, made) = assert_sparing(&plan, PlanInputs::default());
             let hatching = made.drawing.unwrap().hatching;
             assert!(hatching.samples().iter().any(|&ink| ink > 0.5));
         }

@@ -2,7 +2,7 @@
 
 use crate::engine::cpu;
 use crate::engine::gpu::runner::DeviceRunner;
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::error::Error;
 use crate::frame::Frame;
 use crate::gpu::device::{AdapterKind, Device, to_test_on};
@@ -62,7 +62,9 @@ fn after_a_loss_every_run_is_an_error_at_once() {
     let runner = DeviceRunner::new(device);
     let (plan, frame) = waves(90, 70);
     assert_is_of_the_cpu(
-        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+        &runner
+            .execute(&plan, &frame, PlanInputs::default())
+            .unwrap(),
         &plan,
         &frame,
     );
@@ -70,7 +72,7 @@ fn after_a_loss_every_run_is_an_error_at_once() {
     for _ in 0..3 {
         let start = Instant::now();
         let error = runner
-            .execute(&plan, &frame, Inputs::default())
+            .execute(&plan, &frame, PlanInputs::default())
             .unwrap_err();
         assert_tells(&error, &runner, "was lost (destroyed)");
         assert!(start.elapsed() < Duration::from_secs(2));
@@ -90,7 +92,7 @@ fn a_loss_in_the_middle_of_a_run_ends_it() {
                 thread::sleep(Duration::from_millis(delay_ms));
                 runner.device().lose();
             });
-            let runs = (0..10_000).map(|_| runner.execute(&plan, &frame, Inputs::default()));
+            let runs = (0..10_000).map(|_| runner.execute(&plan, &frame, PlanInputs::default()));
             let mut ended = Vec::new();
             for run in runs {
                 let is_lost = run.is_err();
@@ -108,7 +110,11 @@ fn a_loss_in_the_middle_of_a_run_ends_it() {
             }
         }
         assert!(runs.last().unwrap().is_err());
-        assert!(runner.execute(&plan, &frame, Inputs::default()).is_err());
+        assert!(
+            runner
+                .execute(&plan, &frame, PlanInputs::default())
+                .is_err()
+        );
     }
 }
 
@@ -125,13 +131,15 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
     let (plan, frame) = waves(60, 50);
     for _ in 0..2 {
         let error = runner
-            .execute(&large_plan, &large, Inputs::default())
+            .execute(&large_plan, &large, PlanInputs::default())
             .unwrap_err();
         assert_tells(&error, &runner, "65536");
         // Buffers returned while recording include some that were never created.
         assert!(runner.buffers.is_empty());
         assert_is_of_the_cpu(
-            &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+            &runner
+                .execute(&plan, &frame, PlanInputs::default())
+                .unwrap(),
             &plan,
             &frame,
         );
@@ -163,7 +171,9 @@ fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
     }
     assert!(!runner.device().is_lost());
     assert_is_of_the_cpu(
-        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+        &runner
+            .execute(&plan, &frame, PlanInputs::default())
+            .unwrap(),
         &plan,
         &frame,
     );
@@ -177,12 +187,12 @@ fn pictures_beyond_the_limits_are_refused() {
     let runner = DeviceRunner::new(device.limited_to(8 * 2 * columns as u64));
     for [width, height] in [[3, rows], [columns, 2]] {
         let (plan, frame) = waves(width, height);
-        let made = runner.execute(&plan, &frame, Inputs::default());
+        let made = runner.execute(&plan, &frame, PlanInputs::default());
         assert_is_of_the_cpu(&made.unwrap(), &plan, &frame);
     }
     for [width, height] in [[3, rows + 1], [columns + 1, 1], [columns, 3]] {
         let (plan, frame) = waves(width, height);
-        let made = runner.execute(&plan, &frame, Inputs::default());
+        let made = runner.execute(&plan, &frame, PlanInputs::default());
         let what = format!("cannot hold a picture of {width}x{height}");
         assert_tells(&made.unwrap_err(), &runner, &what);
     }

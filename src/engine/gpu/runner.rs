@@ -2,7 +2,7 @@
 
 use crate::engine::cpu;
 use crate::engine::cpu::runner::taken_by;
-use crate::engine::inputs::Inputs;
+use crate::engine::inputs::PlanInputs;
 use crate::error::{Error, Result};
 use crate::frame::memory::Memory;
 use crate::frame::{Frame, Plane};
@@ -30,10 +30,10 @@ use crate::shape::curvature::gpu::DESCRIBED;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// Inputs of a run other than plan and frame.
+/// PlanInputs of a run other than plan and frame.
 #[derive(Clone, Copy)]
 pub(crate) struct DeviceInputs<'a> {
-    inputs: Inputs<'a>,
+    inputs: PlanInputs<'a>,
     light: Option<&'a Light>,
     /// Memory for the parts run on the CPU.
     memory: &'a Memory,
@@ -92,7 +92,7 @@ impl DeviceRunner {
     /// # Errors
     /// [`Error::Gpu`] if the device is lost, or too small for the frame or for its environment; [`Error::Unfit`] if the
     /// plan was made for other inputs, or [`DeviceRunner::lacks`] something.
-    pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+    pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: PlanInputs) -> Result<Outcome> {
         let done = self.attempt(plan, frame, inputs, Watch::default());
         done.map_err(RunFault::into_error)
     }
@@ -106,7 +106,7 @@ impl DeviceRunner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: Inputs,
+        inputs: PlanInputs,
         watch: Watch,
     ) -> std::result::Result<Outcome, RunFault> {
         if let Some(what) = Self::lacks(plan) {

@@ -6,8 +6,8 @@ use crate::light::intensity::White;
 use crate::light::lights::LightKinds;
 use crate::light::shadows::casting::{Caster, Casters, Casting};
 use crate::params::{
-    AUTO_SAMPLES, AlbedoSource, Magnitude, Material, Raking, RelightParams, Samples, ScalingParams,
-    Tangent, WarpBy,
+    AUTO_SAMPLES, AlbedoSource, Magnitude, Material, Raking, RelightParams, SampleCount,
+    ScalingParams, Tangent, WarpBy,
 };
 use crate::plan::{Available, Plan};
 
@@ -333,14 +333,14 @@ fn environment_use(
         return Ok(EnvironmentUse::Mirrored);
     }
     let can_prefilter = material.can_prefilter() && !toward_light;
-    if params.samples == Samples::Fixed(0) && !can_prefilter {
+    if params.samples == SampleCount::Fixed(0) && !can_prefilter {
         return Err(bad(
             "--samples",
             "0 looks prefiltered light up, which only lambert, toon and phong without --anisotropy can",
             "give a number, or another --material",
         ));
     }
-    if params.samples == Samples::Fixed(0) && aligns {
+    if params.samples == SampleCount::Fixed(0) && aligns {
         return Err(bad(
             "--samples",
             "0 looks light up, and --method align turns lights",
@@ -350,17 +350,17 @@ fn environment_use(
     let is_glossy = material.has_highlight();
     let by_lookups = warps && params.warp_by == WarpBy::Lookups;
     Ok(match params.samples {
-        Samples::Fixed(0) => EnvironmentUse::Prefiltered,
-        Samples::Fixed(count) if by_lookups => EnvironmentUse::Lookups(count),
-        Samples::Fixed(count) => EnvironmentUse::Lights(count),
-        Samples::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
-        Samples::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
-        Samples::Auto if can_prefilter && !warps && !aligns && !is_hidden => {
+        SampleCount::Fixed(0) => EnvironmentUse::Prefiltered,
+        SampleCount::Fixed(count) if by_lookups => EnvironmentUse::Lookups(count),
+        SampleCount::Fixed(count) => EnvironmentUse::Lights(count),
+        SampleCount::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
+        SampleCount::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
+        SampleCount::Auto if can_prefilter && !warps && !aligns && !is_hidden => {
             EnvironmentUse::Prefiltered
         }
         // The curves of samples do not depend on their directions.
-        Samples::Auto if toward_light && is_glossy => EnvironmentUse::Lights(AUTO_SAMPLES),
-        Samples::Auto => EnvironmentUse::ToError(ToError {
+        SampleCount::Auto if toward_light && is_glossy => EnvironmentUse::Lights(AUTO_SAMPLES),
+        SampleCount::Auto => EnvironmentUse::ToError(ToError {
             levels: params.light_error.unwrap_or(match material.has_coat() {
                 true => COAT_ERROR,
                 false => DIFFUSE_ERROR,

@@ -9,8 +9,8 @@ use crate::light::environment::Environment;
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::light::radiance_scaling::scaling;
 use crate::params::{
-    Adaptive, LineParams, Material, Method, Params, RelightParams, Samples, Scale, ScalingParams,
-    ShapeParams, Solver, StrokeDirections, ToneParams,
+    Adaptive, LineParams, Material, Method, Params, RelightParams, SampleCount, Scale,
+    ScalingParams, ShapeParams, Solver, StrokeDirections, ToneParams,
 };
 use crate::plan::{Goal, Tone};
 use crate::scenes::frames::{grey, masked};
@@ -56,7 +56,7 @@ fn under(map: Environment) -> Illumination {
 /// The largest error of a material in the light of three lamps, in relation to the brightest pixel.
 fn material(material: Material, method: Method) -> Result<f64> {
     let frame = Scene::waves(128, 96).frame;
-    let params = white(material, method, Samples::Auto);
+    let params = white(material, method, SampleCount::Auto);
     let directions = [(135.0, 40.0), (20.0, 65.0), (250.0, 25.0)];
     let light = Illumination {
         directional: directions.map(|(a, e)| lamp(a, e).directional[0]).into(),
@@ -159,7 +159,7 @@ fn mirror(texel: f32) -> Result<f64> {
         _ => [0.4 + 0.2 * (y as f32 / 32.0), 0.5, 0.6],
     });
     let light = under(map);
-    let params = |method| white(Material::Mirror, method, Samples::Auto);
+    let params = |method| white(Material::Mirror, method, SampleCount::Auto);
     let of = |method| relit(&frame, params(method), &light);
     let (plain, scaled) = (of(Method::Plain)?, of(Method::Scale)?);
     sign(&frame, &picture(&plain).g, &picture(&scaled).g)
@@ -174,7 +174,7 @@ fn chosen_light(material: Material) -> Result<f64> {
         params.environment_gain = Adaptive::Auto;
         relit(&frame, params, &light)
     };
-    let (truth, found) = (of(Samples::Fixed(4096))?, of(Samples::Auto)?);
+    let (truth, found) = (of(SampleCount::Fixed(4096))?, of(SampleCount::Auto)?);
     let level = |v: f32| 255.0 * encoded(f64::from(0.5 * v).clamp(0.0, 1.0));
     let mut off = Vec::new();
     for (x, y) in pixels(96, 96) {
@@ -231,7 +231,7 @@ fn waves_enhanced() -> Result<f64> {
 fn prefiltered() -> Result<f64> {
     let frame = Scene::ball(96, 96).frame;
     let map = environment();
-    let params = white(Material::Lambert, Method::Plain, Samples::Fixed(0));
+    let params = white(Material::Lambert, Method::Plain, SampleCount::Fixed(0));
     let outcome = relit(&frame, params, &under(map.clone()))?;
     let green = &picture(&outcome).g;
     Ok(worst(&frame, |x, y| {
@@ -243,7 +243,7 @@ fn prefiltered() -> Result<f64> {
 
 fn lit_from_behind() -> Result<f64> {
     let frame = Scene::plane(32, 32).frame;
-    let params = white(Material::Lambert, Method::Both, Samples::Auto);
+    let params = white(Material::Lambert, Method::Both, SampleCount::Auto);
     let outcome = relit(&frame, params, &lamp(90.0, -30.0))?;
     let red = &picture(&outcome).r;
     Ok(worst(&frame, |x, y| Some(red.at(x, y).into())))

@@ -20,7 +20,7 @@ pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
 mod tests {
     use crate::engine::cpu;
     use crate::engine::gpu::runner::DeviceRunner;
-    use crate::engine::inputs::Inputs;
+    use crate::engine::inputs::PlanInputs;
     use crate::frame::{ColorPlanes, Frame, Plane};
     use crate::gpu::device::{AdapterKind, Device, to_test_on};
     use crate::params::{ScalingParams, ShapeParams};
@@ -54,9 +54,11 @@ mod tests {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::new(Goal::Enhance, available, shape, scaling).unwrap();
         let host = cpu::Runner::default();
-        let expected = host.execute(&plan, &frame, Inputs::default()).unwrap();
+        let expected = host.execute(&plan, &frame, PlanInputs::default()).unwrap();
         let runner = DeviceRunner::new(device);
-        let whole = runner.execute(&plan, &frame, Inputs::default()).unwrap();
+        let whole = runner
+            .execute(&plan, &frame, PlanInputs::default())
+            .unwrap();
         // The traces of both differ by rounding, their sums of three products hardly.
         for (found, expected, allowed) in [
             (whole.gain, expected.gain, 1e-4),

@@ -3,10 +3,10 @@
 use super::super::on_gpu;
 use super::{Asked, METHODS, ball, six_lights, sky, torus, torus_from_near, with_layers};
 use glam::Vec3;
-use relievo::engine::Inputs;
+use relievo::engine::PlanInputs;
 use relievo::frame::{DepthKind, SightLines};
 use relievo::light::lights::{Illumination, PointLight};
-use relievo::params::{Material, Method, Samples, WarpBy};
+use relievo::params::{Material, Method, SampleCount, WarpBy};
 
 #[test]
 fn lights_at_a_point() {
@@ -50,18 +50,28 @@ fn environments() {
         use Material::{BlinnPhong, Glass, Lambert, Mirror, Phong, Toon};
         let frame = with_layers(torus_from_near());
         for (name, material, samples, warp_by) in [
-            ("prefiltered", Lambert, Samples::Fixed(0), WarpBy::Auto),
+            ("prefiltered", Lambert, SampleCount::Fixed(0), WarpBy::Auto),
             (
                 "prefiltered by a highlight",
                 Phong,
-                Samples::Fixed(0),
+                SampleCount::Fixed(0),
                 WarpBy::Auto,
             ),
-            ("a cartoon", Toon, Samples::Fixed(0), WarpBy::Auto),
-            ("as lights", BlinnPhong, Samples::Fixed(54), WarpBy::Lights),
-            ("looked up", BlinnPhong, Samples::Fixed(64), WarpBy::Lookups),
-            ("mirrored", Mirror, Samples::Auto, WarpBy::Auto),
-            ("refracted", Glass, Samples::Auto, WarpBy::Auto),
+            ("a cartoon", Toon, SampleCount::Fixed(0), WarpBy::Auto),
+            (
+                "as lights",
+                BlinnPhong,
+                SampleCount::Fixed(54),
+                WarpBy::Lights,
+            ),
+            (
+                "looked up",
+                BlinnPhong,
+                SampleCount::Fixed(64),
+                WarpBy::Lookups,
+            ),
+            ("mirrored", Mirror, SampleCount::Auto, WarpBy::Auto),
+            ("refracted", Glass, SampleCount::Auto, WarpBy::Auto),
         ] {
             for method in METHODS {
                 let asked = Asked::of(material, method).in_environment(sky(), samples);
@@ -85,12 +95,12 @@ fn an_environment_is_made_ready_once() {
         let frame = torus();
         let mut asked = Asked::of(Material::Phong, Method::Scale);
         for turn in [0.0, 90.0] {
-            asked = asked.in_environment(sky().rotated_deg(turn), Samples::Fixed(0));
+            asked = asked.in_environment(sky().rotated_deg(turn), SampleCount::Fixed(0));
             let plan = asked.plan(&frame).unwrap();
             for is_first in [true, false] {
                 asked.assert_same("again", runner, &frame);
                 let again = runner
-                    .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                    .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
                     .unwrap();
                 let made = again
                     .timings

@@ -3,7 +3,7 @@
 use super::super::on_gpu;
 use super::{Asked, LIT, METHODS, torus, torus_from_near};
 use crate::common::cpu;
-use relievo::engine::Inputs;
+use relievo::engine::PlanInputs;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
 use relievo::params::{Adaptive, Material, Method, Scale};
@@ -117,9 +117,9 @@ fn hard_tones_are_the_same_but_for_a_pixel_on_the_edge() {
                 asked.relight.toon_softness = 0.0;
             });
             let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::execute(&plan, &frame, Inputs::lit_by(&asked.light)).unwrap();
+            let expected = cpu::execute(&plan, &frame, PlanInputs::lit_by(&asked.light)).unwrap();
             let found = runner
-                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
                 .unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap().g);
             let pairs = found.samples().iter().zip(expected.samples());

@@ -8,7 +8,7 @@ use super::{assert_alike, with_color};
 use crate::common::cpu;
 use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
 use glam::Vec3;
-use relievo::engine::Inputs;
+use relievo::engine::PlanInputs;
 use relievo::engine::gpu::DeviceRunner;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
@@ -50,9 +50,9 @@ impl Asked {
     fn assert_same(&self, name: &str, runner: &DeviceRunner, frame: &Frame) {
         let plan = self.plan(frame).unwrap();
         assert_eq!(DeviceRunner::lacks(&plan), None, "{name}");
-        let expected = cpu::execute(&plan, frame, Inputs::lit_by(&self.light)).unwrap();
+        let expected = cpu::execute(&plan, frame, PlanInputs::lit_by(&self.light)).unwrap();
         let found = runner
-            .execute(&plan, frame, Inputs::lit_by(&self.light))
+            .execute(&plan, frame, PlanInputs::lit_by(&self.light))
             .unwrap();
         let allowed = self.tolerance();
         assert_alike(name, &found, &expected, |product| {

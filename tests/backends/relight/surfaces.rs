@@ -1,15 +1,15 @@
-//! Inputs on surfaces: albedo, coverage, invalid numbers, sizes and masks.
+//! PlanInputs on surfaces: albedo, coverage, invalid numbers, sizes and masks.
 
 use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
 use crate::common::cpu;
 use crate::common::poisoned;
-use relievo::engine::Inputs;
+use relievo::engine::PlanInputs;
 use relievo::engine::gpu::{AdapterKind, Device, DeviceRunner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
-use relievo::params::{AlbedoSource, Material, Method, Samples};
+use relievo::params::{AlbedoSource, Material, Method, SampleCount};
 use relievo::scenes::{ExactScene, Surface};
 
 #[test]
@@ -61,9 +61,9 @@ fn colors_that_are_no_numbers() {
                 asked.relight.toon_softness = 1.0;
             });
             let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::execute(&plan, &frame, Inputs::lit_by(&asked.light)).unwrap();
+            let expected = cpu::execute(&plan, &frame, PlanInputs::lit_by(&asked.light)).unwrap();
             let found = runner
-                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
                 .unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap());
             for (found, expected) in [
@@ -116,14 +116,14 @@ fn an_environment_too_large_for_the_device_is_refused() {
     let frame = with_layers(torus_from_near());
     // 97x94 vectors of two fit, and 64x32 pixels of 16 bytes; four times as many do not.
     let runner = DeviceRunner::new(device.limited_to(97 * 94 * 8));
-    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), Samples::Auto);
+    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), SampleCount::Auto);
     asked.assert_same("mirrored", &runner, &frame);
     let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);
-    let asked = asked.in_environment(blank, Samples::Auto);
+    let asked = asked.in_environment(blank, SampleCount::Auto);
     let plan = asked.plan(&frame).unwrap();
     assert!(
         runner
-            .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+            .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
             .is_err()
     );
 }

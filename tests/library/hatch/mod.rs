@@ -7,7 +7,7 @@ mod stiff;
 mod strokes;
 
 use crate::common::{cpu, default_but, mean, on_threads, places};
-use relievo::engine::{Drawing, Engine, Inputs, Run};
+use relievo::engine::{Drawing, Engine, PlanInputs, Run};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
@@ -105,7 +105,7 @@ fn drawn_by(engine: &Engine, frame: &Frame, line: LineParams) -> Drawing {
         frame,
         ShapeParams::default(),
     );
-    let drawn = engine.execute(&plan.unwrap(), frame, Inputs::default(), &Run::new());
+    let drawn = engine.execute(&plan.unwrap(), frame, PlanInputs::default(), &Run::new());
     let drawing = drawn.unwrap().drawing;
     drawing.expect("a drawing was planned")
 }

@@ -5,7 +5,7 @@ use crate::common::places;
 use glam::Vec3;
 use relievo::frame::{ColorPlanes, Frame, Normals};
 use relievo::light::lights::Illumination;
-use relievo::params::{Material, Method, Samples};
+use relievo::params::{Material, Method, SampleCount};
 
 fn aligned(material: Material) -> Asked {
     Asked::of(material, Method::Align)
@@ -80,7 +80,7 @@ fn highlights_stay() {
         Material::AshikhminShirley,
     ] {
         let lamp = aligned(material);
-        let around = lamp.clone().in_environment(sky(), Samples::Fixed(20));
+        let around = lamp.clone().in_environment(sky(), SampleCount::Fixed(20));
         for mut asked in [lamp, around] {
             asked.relight.material.diffuse_gain = 0.0;
             let found = difference(&asked.color(&frame), &plain(&asked).color(&frame));
@@ -93,16 +93,16 @@ fn highlights_stay() {
 fn what_cannot_be_turned_is_refused() {
     let frame = torus_in_perspective();
     let refused = |asked: &Asked| asked.plan(&frame).unwrap_err().to_string();
-    let looked_up = aligned(Material::Lambert).in_environment(sky(), Samples::Fixed(0));
+    let looked_up = aligned(Material::Lambert).in_environment(sky(), SampleCount::Fixed(0));
     assert!(refused(&looked_up).starts_with("--samples"));
-    let mirror = aligned(Material::Mirror).in_environment(sky(), Samples::Auto);
+    let mirror = aligned(Material::Mirror).in_environment(sky(), SampleCount::Auto);
     assert!(refused(&mirror).starts_with("--method"));
     let even = aligned(Material::Lambert).with(|asked| {
         asked.light = Illumination::default();
         asked.relight.material.ambient = 0.5;
     });
     assert!(refused(&even).starts_with("--method"));
-    let around = aligned(Material::Lambert).in_environment(sky(), Samples::Auto);
+    let around = aligned(Material::Lambert).in_environment(sky(), SampleCount::Auto);
     let plan = around.plan(&frame).unwrap();
     assert!(plan.runs("alignment") && !plan.runs("environment-prefilter"));
 }

@@ -8,7 +8,7 @@ use relievo::light::environment::Environment;
 use relievo::light::light_samples::light_disc;
 use relievo::light::lights::{Illumination, direction_of};
 use relievo::light::lit_sphere::LitSphere;
-use relievo::params::{Adaptive, AlbedoSource, Material, Method, Samples, WarpBy};
+use relievo::params::{Adaptive, AlbedoSource, Material, Method, SampleCount, WarpBy};
 use relievo::scenes::{ExactScene, Surface};
 
 fn constant() -> Environment {
@@ -37,12 +37,12 @@ fn a_furnace_shows_itself() {
     ];
     for (material, expected) in cases {
         let asked = Asked::of(material, Method::Plain);
-        let asked = asked.in_environment(constant(), Samples::Fixed(0));
+        let asked = asked.in_environment(constant(), SampleCount::Fixed(0));
         let error = largest_error(&asked.color(&frame), &frame, |_, _| expected);
         assert!(error < 2e-6, "{material:?}: {error:.1e}");
     }
     let thin = Asked::of(Material::Glass, Method::Plain);
-    let mut thin = thin.in_environment(constant(), Samples::Auto);
+    let mut thin = thin.in_environment(constant(), SampleCount::Auto);
     thin.relight.material.thin = true;
     let error = largest_error(&thin.color(&frame), &frame, |_, _| 0.7);
     assert!(error < 2e-6, "thin glass: {error:.1e}");
@@ -54,7 +54,7 @@ fn a_sampled_furnace_converges() {
     let frame = torus();
     let error = |samples| {
         let asked = Asked::of(Material::Lambert, Method::Plain);
-        let asked = asked.in_environment(constant(), Samples::Fixed(samples));
+        let asked = asked.in_environment(constant(), SampleCount::Fixed(samples));
         largest_error(&asked.color(&frame), &frame, |_, _| 0.7)
     };
     let errors = [16, 64, 256, 1024].map(error);
@@ -70,13 +70,13 @@ fn light_without_bounds_is_warped_alike_from_both_sides() {
     let frame = torus();
     let made = |warp_by, samples| {
         let asked = Asked::of(Material::Lambert, Method::Warp);
-        let mut asked = asked.in_environment(sky(), Samples::Fixed(samples));
+        let mut asked = asked.in_environment(sky(), SampleCount::Fixed(samples));
         asked.relight.warp_by = warp_by;
         asked.color(&frame)
     };
     let plain = Asked::of(Material::Lambert, Method::Plain);
     let plain = plain
-        .in_environment(sky(), Samples::Fixed(4096))
+        .in_environment(sky(), SampleCount::Fixed(4096))
         .color(&frame);
     let mean_difference = |a: &ColorPlanes, b: &ColorPlanes| {
         let apart = |(x, y)| f64::from((a.r.at(x, y) - b.r.at(x, y)).abs());
@@ -100,7 +100,10 @@ fn prefiltered_light_is_what_many_lights_make() {
         let asked = Asked::of(Material::Lambert, Method::Plain);
         asked.in_environment(sky(), samples).color(&frame)
     };
-    let (prefiltered, sampled) = (with(Samples::Fixed(0)), with(Samples::Fixed(16_384)));
+    let (prefiltered, sampled) = (
+        with(SampleCount::Fixed(0)),
+        with(SampleCount::Fixed(16_384)),
+    );
     let error = largest_error(&prefiltered, &frame, |x, y| sampled.r.at(x, y).into());
     let samples = covered(&frame.mask).map(|(x, y)| sampled.r.at(x, y));
     let largest = samples.fold(0.0, f32::max);
@@ -132,7 +135,7 @@ fn azimuth_runs_against_the_clock_from_the_right() {
 fn a_mirror_shows_the_environment_where_the_view_is_thrown() {
     let frame = torus_in_perspective();
     let environment = sky();
-    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), Samples::Auto);
+    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), SampleCount::Auto);
     let color = asked.color(&frame);
     let projection = frame.camera.unwrap().projection;
     let error = largest_error(&color, &frame, |x, y| {
@@ -164,7 +167,7 @@ fn a_mirror_ball_is_brighter_where_it_shows_more_than_a_third_of_the_median() {
     let frame = ball.frame(96, 96);
     let shown = |environment: Environment| {
         let asked = Asked::of(Material::Mirror, Method::Scale);
-        let mut asked = asked.in_environment(environment, Samples::Auto);
+        let mut asked = asked.in_environment(environment, SampleCount::Auto);
         asked.scaling.curvature_gain = Adaptive::Fixed(20.0);
         asked.color(&frame)
     };
@@ -303,10 +306,10 @@ fn corners_get_less_light_from_all_around_however_it_is_summed() {
     let mut dim = frame.clone();
     dim.light.occlusion = Some(Plane::filled(97, 94, 0.5));
     let ways = [
-        (Samples::Fixed(0), WarpBy::Auto, Method::Plain),
-        (Samples::Fixed(33), WarpBy::Auto, Method::Plain),
-        (Samples::Fixed(33), WarpBy::Lights, Method::Warp),
-        (Samples::Fixed(33), WarpBy::Lookups, Method::Warp),
+        (SampleCount::Fixed(0), WarpBy::Auto, Method::Plain),
+        (SampleCount::Fixed(33), WarpBy::Auto, Method::Plain),
+        (SampleCount::Fixed(33), WarpBy::Lights, Method::Warp),
+        (SampleCount::Fixed(33), WarpBy::Lookups, Method::Warp),
     ];
     for (samples, warp_by, method) in ways {
         let mut asked = Asked::of(Material::Lambert, method).in_environment(sky(), samples);

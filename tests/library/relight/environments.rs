@@ -7,7 +7,7 @@ use glam::Vec3;
 use relievo::frame::{ColorPlanes, Frame};
 use relievo::io::read_environment;
 use relievo::light::environment::Environment;
-use relievo::params::{Adaptive, Material, Method, Samples};
+use relievo::params::{Adaptive, Material, Method, SampleCount};
 
 /// Grey levels of 255 by which 99 of 100 samples differ.
 fn p99(found: &ColorPlanes, truth: &ColorPlanes, frame: &Frame) -> f64 {
@@ -31,7 +31,7 @@ fn asked(
     method: Method,
     coat: f32,
     map: &Environment,
-    samples: Samples,
+    samples: SampleCount,
 ) -> Asked {
     let mut asked = Asked::of(material, method).in_environment(map.clone(), samples);
     let of = &mut asked.relight.material;
@@ -95,11 +95,11 @@ fn light_keeps_to_the_error_allowed() {
                 let frame = [torus, torus_in_perspective][i]();
                 let asked = |samples| asked(*material, method, *coat, &map, samples);
                 // As many lights as the map has texels: the cut ends at each of them.
-                let truth = asked(Samples::Fixed(256 * 128)).color(&frame);
-                let auto = asked(Samples::Auto).outcome(&frame);
+                let truth = asked(SampleCount::Fixed(256 * 128)).color(&frame);
+                let auto = asked(SampleCount::Auto).outcome(&frame);
                 let error = p99(auto.color.as_ref().unwrap(), &truth, &frame);
                 let choice = auto.light_choice.map(|choice| choice.to_string());
-                let before = p99(&asked(Samples::Fixed(54)).color(&frame), &truth, &frame);
+                let before = p99(&asked(SampleCount::Fixed(54)).color(&frame), &truth, &frame);
                 let case = format!("{name} {material:?} {coat} {method:?} ({choice:?})");
                 println!("{case}: {error:.1}, 54 lights {before:.1}");
                 assert!(error <= *allowed, "{case}: {error}");
@@ -113,7 +113,7 @@ fn a_larger_error_takes_fewer_lights() {
     let frame = torus();
     let choice = |levels| {
         let material = Material::AshikhminShirley;
-        let mut asked = asked(material, Method::Both, 80.0, &studio(), Samples::Auto);
+        let mut asked = asked(material, Method::Both, 80.0, &studio(), SampleCount::Auto);
         asked.relight.light_error = Some(levels);
         asked.outcome(&frame).light_choice.unwrap()
     };
@@ -149,7 +149,7 @@ fn strange_maps_give_light_that_is_finite() {
         ];
         for (j, (material, coat)) in materials.into_iter().enumerate() {
             let method = [Method::Plain, Method::Both][(i + j) % 2];
-            let outcome = asked(material, method, coat, map, Samples::Auto).outcome(&frame);
+            let outcome = asked(material, method, coat, map, SampleCount::Auto).outcome(&frame);
             let color = outcome.color.unwrap();
             let planes = [&color.r, &color.g, &color.b].into_iter();
             let mut samples = planes.flat_map(|plane| plane.samples());

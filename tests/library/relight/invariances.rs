@@ -5,9 +5,9 @@ use crate::common::{
     mirrored, mirrored_plane, on_threads, places, poisoned, quarter_turned, quarter_turned_plane,
 };
 use glam::Vec3;
-use relievo::engine::{Engine, Inputs, Run};
+use relievo::engine::{Engine, PlanInputs, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
-use relievo::params::{Adaptive, Material, Method, Samples, Tangent};
+use relievo::params::{Adaptive, Material, Method, SampleCount, Tangent};
 
 fn asked(material: Material, method: Method) -> Asked {
     let mut asked = Asked::of(material, method);
@@ -62,10 +62,11 @@ fn threads_change_no_bit() {
     let frame = torus_in_perspective();
     let cases = [
         asked(Material::Phong, Method::Both),
-        asked(Material::AshikhminShirley, Method::Both).in_environment(sky(), Samples::Fixed(33)),
-        asked(Material::Phong, Method::Both).in_environment(sky(), Samples::Fixed(0)),
-        asked(Material::Phong, Method::Both).in_environment(sky(), Samples::Auto),
-        asked(Material::AshikhminShirley, Method::Plain).in_environment(sky(), Samples::Auto),
+        asked(Material::AshikhminShirley, Method::Both)
+            .in_environment(sky(), SampleCount::Fixed(33)),
+        asked(Material::Phong, Method::Both).in_environment(sky(), SampleCount::Fixed(0)),
+        asked(Material::Phong, Method::Both).in_environment(sky(), SampleCount::Auto),
+        asked(Material::AshikhminShirley, Method::Plain).in_environment(sky(), SampleCount::Auto),
     ];
     for asked in cases {
         let with = |threads| on_threads(threads, || bits(&asked.color(&frame)));
@@ -81,7 +82,7 @@ fn a_crop_is_lit_as_the_whole() {
     let frame = torus_in_perspective();
     let part = Window::at(11, 7, 79, 74);
     let lit = METHODS.map(|method| asked(Material::BlinnPhong, method));
-    let around = |asked: &Asked| asked.clone().in_environment(sky(), Samples::Auto);
+    let around = |asked: &Asked| asked.clone().in_environment(sky(), SampleCount::Auto);
     let in_environment = lit.each_ref().map(around);
     for asked in lit.into_iter().chain(in_environment) {
         let method = asked.relight.method;
@@ -168,8 +169,8 @@ fn extreme_settings_stay_finite() {
                     asked.relight.warping.contrast = 1.0;
                     assert_finite(&asked, &frame, name);
                     let samples = match material {
-                        Material::Lambert | Material::Phong => Samples::Auto,
-                        _ => Samples::Fixed(7),
+                        Material::Lambert | Material::Phong => SampleCount::Auto,
+                        _ => SampleCount::Fixed(7),
                     };
                     assert_finite(&asked.in_environment(spike.clone(), samples), &frame, name);
                 }
@@ -203,11 +204,12 @@ fn a_hundred_thousand_lights_are_a_lot_and_no_more() {
 #[test]
 fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
     let frame = torus();
-    let mut asked = asked(Material::Phong, Method::Scale).in_environment(sky(), Samples::Fixed(0));
+    let mut asked =
+        asked(Material::Phong, Method::Scale).in_environment(sky(), SampleCount::Fixed(0));
     let engine = Engine::cpu();
     let run = |asked: &Asked| {
         let plan = asked.plan(&frame).unwrap();
-        let inputs = Inputs::lit_by(&asked.light);
+        let inputs = PlanInputs::lit_by(&asked.light);
         let outcome = engine.execute(&plan, &frame, inputs, &Run::new()).unwrap();
         let mut timings = outcome.timings.iter();
         let made = timings.any(|(stage, _)| *stage == "environment");

@@ -13,7 +13,7 @@ mod sums;
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
 use crate::common::{apart, covered, cpu, default_but};
 use glam::Vec3;
-use relievo::engine::{Inputs, Outcome};
+use relievo::engine::{Outcome, PlanInputs};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -52,7 +52,7 @@ impl Asked {
 
     fn outcome(&self, frame: &Frame) -> Outcome {
         let plan = self.plan(frame).unwrap();
-        cpu::execute(&plan, frame, Inputs::lit_by(&self.light)).unwrap()
+        cpu::execute(&plan, frame, PlanInputs::lit_by(&self.light)).unwrap()
     }
 
     fn color(&self, frame: &Frame) -> ColorPlanes {

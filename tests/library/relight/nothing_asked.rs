@@ -4,7 +4,7 @@ use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
 use relievo::frame::{ColorPlanes, Plane};
 use relievo::light::lights::Illumination;
 use relievo::light::lit_sphere::LitSphere;
-use relievo::params::{Material, Method, Samples, Tangent};
+use relievo::params::{Material, Method, SampleCount, Tangent};
 
 /// Every material, in light that shines on it.
 fn all() -> Vec<(String, Asked)> {
@@ -12,14 +12,15 @@ fn all() -> Vec<(String, Asked)> {
     for material in LIT {
         let lit = Asked::of(material, Method::Plain);
         all.push((format!("{material:?} by a light"), lit));
-        let sampled = Asked::of(material, Method::Plain).in_environment(sky(), Samples::Fixed(20));
+        let sampled =
+            Asked::of(material, Method::Plain).in_environment(sky(), SampleCount::Fixed(20));
         all.push((format!("{material:?} by an environment"), sampled));
     }
     for (material, samples) in [
-        (Material::Lambert, Samples::Fixed(0)),
-        (Material::Phong, Samples::Fixed(0)),
-        (Material::Mirror, Samples::Auto),
-        (Material::Glass, Samples::Auto),
+        (Material::Lambert, SampleCount::Fixed(0)),
+        (Material::Phong, SampleCount::Fixed(0)),
+        (Material::Mirror, SampleCount::Auto),
+        (Material::Glass, SampleCount::Auto),
     ] {
         let asked = Asked::of(material, Method::Plain).in_environment(sky(), samples);
         all.push((format!("{material:?} by look-ups"), asked));
@@ -81,7 +82,7 @@ fn a_plan_pays_only_for_what_it_needs() {
     let warped = Asked::of(Material::Phong, Method::Warp);
     assert!(has(&warped, "hessian") && has(&warped, "jacobian"));
     assert!(!has(&warped, "environment-prefilter") && !has(&warped, "directions"));
-    let looked_up = warped.in_environment(sky(), Samples::Fixed(0));
+    let looked_up = warped.in_environment(sky(), SampleCount::Fixed(0));
     assert!(has(&looked_up, "environment-prefilter") && !has(&looked_up, "jacobian"));
     assert!(!has(&looked_up, "light-sum"));
     let mut brushed = Asked::of(Material::AshikhminShirley, Method::Plain);
@@ -102,6 +103,6 @@ fn what_cannot_be_lit_is_refused_with_a_way_out() {
     mirror.light = lights(&[glam::Vec3::Z]);
     assert!(refused(&mirror).contains("--environment"));
     let sampled = Asked::of(Material::AshikhminShirley, Method::Plain);
-    let sampled = sampled.in_environment(sky(), Samples::Fixed(0));
+    let sampled = sampled.in_environment(sky(), SampleCount::Fixed(0));
     assert!(refused(&sampled).contains("--samples"));
 }

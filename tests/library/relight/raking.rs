@@ -5,7 +5,7 @@ use crate::common::{apart, places};
 use glam::{DVec2, Vec3};
 use relievo::frame::{Frame, Normals};
 use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{Material, Method, Raking, Samples};
+use relievo::params::{Material, Method, Raking, SampleCount};
 
 /// Banks in 18 directions, 10 degrees apart, on ground that rolls by 3 m in 150 px of 1 m.
 const BANKS: usize = 18;
@@ -133,6 +133,6 @@ fn what_turns_away_or_has_no_lamp_is_refused() {
     let refused = |asked: &Asked, frame: &Frame| asked.plan(frame).unwrap_err().to_string();
     let round = refused(&raking(Raking::Best), &torus_in_perspective());
     assert!(round.starts_with("--raking is for flat work"), "{round}");
-    let around = raking(Raking::Best).in_environment(sky(), Samples::Fixed(20));
+    let around = raking(Raking::Best).in_environment(sky(), SampleCount::Fixed(20));
     assert!(refused(&around, &ground()).starts_with("--raking turns lamps"));
 }

@@ -6,7 +6,7 @@ use crate::common::program::fixture;
 use crate::common::{exr, places};
 use relievo::frame::{Frame, Plane, StoredDepth, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{Material, Method, Samples, Shadows};
+use relievo::params::{Material, Method, SampleCount, Shadows};
 
 /// What arrives at each pixel of a sun `width_deg` wide.
 fn arrives(frame: &Frame, elevation_deg: f32, width_deg: f32) -> Vec<f32> {
@@ -109,7 +109,7 @@ fn horizons_hide_the_light_of_an_environment() {
             asked.light.directional = suns;
         });
         let by_horizons = |shadows| {
-            let mut asked = asked.clone().in_environment(map.clone(), Samples::Auto);
+            let mut asked = asked.clone().in_environment(map.clone(), SampleCount::Auto);
             asked.relight.sky_shadows = shadows;
             asked.color(&frame).g
         };
@@ -136,9 +136,9 @@ fn horizons_hide_the_highlights_of_an_environment() {
         let asked = asked.in_environment(surroundings(40, low), samples);
         asked.color(&frame).g
     };
-    let lights = by(Samples::Fixed(1500), Shadows::On);
-    let open = levels_apart(&lights, &by(Samples::Auto, Shadows::Off));
-    let hidden = levels_apart(&lights, &by(Samples::Auto, Shadows::On));
+    let lights = by(SampleCount::Fixed(1500), Shadows::On);
+    let open = levels_apart(&lights, &by(SampleCount::Auto, Shadows::Off));
+    let hidden = levels_apart(&lights, &by(SampleCount::Auto, Shadows::On));
     // Samples alone are allowed 4 levels.
     assert!(open[1] > 40.0, "{open:?}");
     assert!(hidden[0] < 4.0 && hidden[1] < 10.0, "{hidden:?}");

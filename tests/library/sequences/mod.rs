@@ -9,7 +9,7 @@ mod rendered;
 mod wheel;
 
 use crate::common::cpu;
-use relievo::engine::{Drawing, Inputs, SequenceInputs, TextureCoordinates};
+use relievo::engine::{Drawing, PlanInputs, SequenceInputs, TextureCoordinates};
 use relievo::frame::{
     ColorPlanes, Frame, LightLayers, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
@@ -101,9 +101,9 @@ fn plan(frame: &Frame, line: LineParams) -> Plan {
 }
 
 fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Drawing {
-    let inputs = Inputs {
+    let inputs = PlanInputs {
         sequence,
-        ..Inputs::default()
+        ..PlanInputs::default()
     };
     let outcome = cpu::execute(&plan(frame, line), frame, inputs).unwrap();
     outcome.drawing.expect("a drawing was planned")

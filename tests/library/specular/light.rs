@@ -4,7 +4,7 @@ use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
 use crate::common::{bits, cpu};
 use glam::{DVec2, DVec3};
-use relievo::engine::{Engine, Inputs, Request, Run};
+use relievo::engine::{Engine, PlanInputs, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SpecularScene, Window};
 use relievo::light::brdf::fresnel;
 use relievo::light::lights::{Illumination, LightKinds};
@@ -99,9 +99,9 @@ fn relit(
     )
     .unwrap();
     let light = Illumination::default();
-    let inputs = Inputs {
+    let inputs = PlanInputs {
         specular: Some(scene),
-        ..Inputs::lit_by(&light)
+        ..PlanInputs::lit_by(&light)
     };
     let outcome = cpu::execute(&plan, frame, inputs).unwrap();
     outcome.color.unwrap()

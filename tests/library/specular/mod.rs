@@ -46,9 +46,9 @@ fn fields(
     bend: Bend,
 ) -> Vec<Vector2Planes> {
     let plan = drawing(frame, params, bend);
-    let inputs = engine::Inputs {
+    let inputs = engine::PlanInputs {
         specular: Some(scene),
-        ..engine::Inputs::default()
+        ..engine::PlanInputs::default()
     };
     let fields = Engine::cpu().stroke_fields(&plan, frame, inputs, &params);
     fields.unwrap()

@@ -5,7 +5,7 @@ use super::{drawing, fields};
 use crate::common::cpu;
 use crate::common::is_a_drawing;
 use glam::DVec3;
-use relievo::engine::{self, Drawing, Engine, Inputs};
+use relievo::engine::{self, Drawing, Engine, PlanInputs};
 use relievo::frame::{Frame, Mask, Plane, SpecularScene, Vector3Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
@@ -35,10 +35,10 @@ fn drawn(frame: &Frame, scene: &SpecularScene, params: LineParams, bend: Bend) -
         }],
         ..Illumination::default()
     };
-    let inputs = Inputs {
+    let inputs = PlanInputs {
         illumination: Some(&light),
         specular: Some(scene),
-        ..Inputs::default()
+        ..PlanInputs::default()
     };
     let plan = drawing(frame, params, bend);
     cpu::execute(&plan, frame, inputs).unwrap().drawing.unwrap()
@@ -180,7 +180,7 @@ fn a_scene_that_shows_nothing_is_drawn_as_without_it() {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(&frame);
     let plan = Plan::new(Goal::LAYERS, available, shape, scaling).unwrap();
-    let inputs = engine::Inputs::default();
+    let inputs = engine::PlanInputs::default();
     let alone = Engine::cpu().stroke_fields(&plan, &frame, inputs, &params);
     let alone = alone.unwrap();
     assert_eq!(fields(&frame, &none, params, Bend::Mirror), alone);

@@ -7,7 +7,7 @@ use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::error_line::line_of;
-use crate::engine::{Engine, Inputs, Run, Session};
+use crate::engine::{Engine, PlanInputs, Run, Session};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
@@ -85,14 +85,14 @@ impl OpenFrame {
         &mut self,
         step: usize,
         plan: &Plan,
-        inputs: Inputs,
+        inputs: PlanInputs,
         said: &Mutex<BTreeSet<String>>,
     ) -> Result<()> {
         let warn = |text: &str| {
             let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
             said.insert(text.into());
         };
-        let inputs = Inputs {
+        let inputs = PlanInputs {
             specular: self.scene.as_ref(),
             ..inputs
         };
@@ -372,9 +372,9 @@ impl ViewSession {
             None => work.plans(&mut seen)?,
         };
         let light = seen.light;
-        let inputs = Inputs {
+        let inputs = PlanInputs {
             art_map: self.around.art_map.as_ref(),
-            ..Inputs::lit_by(&light)
+            ..PlanInputs::lit_by(&light)
         };
         for plan in &plans {
             sitter.execute(step, plan, inputs, &self.said)?;
