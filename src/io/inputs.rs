@@ -124,11 +124,13 @@ rows! {
     }
 }
 
-#[cfg(feature = "cli")]
 impl Inputs {
     /// The name of no layer: a role called so is left out, where no layer and no file is called so.
     pub const NONE: &str = "none";
+}
 
+#[cfg(feature = "cli")]
+impl Inputs {
     /// The rows that name a layer or a file, and those that name a file: each may be another one for each frame of a
     /// sequence.
     pub(crate) fn names(&mut self) -> ([&mut Option<String>; 8], [&mut Option<PathBuf>; 2]) {

@@ -24,6 +24,9 @@ use regions::{closed, count, distances, large_pieces, opened};
 const LEAST_BORDER: f32 = 0.2;
 const LEAST_AREA: f32 = 0.1;
 
+/// The share of the border from which on further planes are of the background, as walls of a room.
+const MORE_BORDER: f32 = 0.1;
+
 /// The share of the surface beyond which planes are the subject.
 const ALL_PLANES: f32 = 0.92;
 
@@ -321,11 +324,17 @@ fn fitted(cells: &DepthCells, frame: &Frame, same: f32) -> Option<(Linear, Vec<F
     let found = |linear: Linear| {
         let values = cells.values(linear);
         let planes = fit::planes(&values, same);
-        let large = planes.into_iter().filter(|(_, within)| {
-            let on_border = regions::on_border(within) as f32;
-            on_border > LEAST_BORDER * around && count(within) > LEAST_AREA * covered
-        });
-        (linear, large.collect::<Vec<_>>())
+        let large = planes
+            .into_iter()
+            .filter(|(_, within)| count(within) > LEAST_AREA * covered);
+        let on_border = |(_, within): &Fitted| regions::on_border(within) as f32 / around;
+        let mut large: Vec<_> = large
+            .filter(|plane| on_border(plane) > MORE_BORDER)
+            .collect();
+        if !large.iter().any(|plane| on_border(plane) > LEAST_BORDER) {
+            large.clear();
+        }
+        (linear, large)
     };
     let area = |(_, planes): &(Linear, Vec<Fitted>)| -> f32 {
         planes.iter().map(|(_, within)| count(within)).sum()
@@ -409,6 +418,25 @@ mod tests {
         }
         let level = even.level(Vec2::new(20.0, 200.0));
         assert!(level.is_some_and(|level| level.y.abs() < 1e-6));
+    }
+
+    #[test]
+    fn walls_beside_a_floor_are_of_the_background_and_alone_they_are_not() {
+        // 1.2 units to the left, before the floor above a line from row 172 of the left side to the middle of the horizon: 12 % of
+        // the border, 16 % of the surface.
+        let is_wall = |x: usize, y: usize| x < 160 && (y as f32 - 39.5) < (159.5 - x as f32) / 1.2;
+        let mut frame = floor_with_ball(0.0, 0.0);
+        let depth = frame.depth.as_mut().expect("the frame has depth");
+        depth.each_row(|y, row| {
+            for x in (0..160).filter(|&x| is_wall(x, y)) {
+                row[x] = row[x].min(360.0 / (159.5 - x as f32));
+            }
+        });
+        let both = Backdrop::of(&frame, 1.0).expect("there is a floor");
+        let [wall, floor] = [[5, 100], [300, 200]].map(|[x, y]| both.plane(x, y));
+        assert!(wall.is_some() && floor.is_some() && wall != floor);
+        frame.mask = Mask::new(Plane::from_fn(320, 240, |x, y| y >= 40 && is_wall(x, y)));
+        assert!(Backdrop::of(&frame, 1.0).is_none());
     }
 
     #[test]
