@@ -15,7 +15,7 @@ use crate::work::{FrameWork, light_of};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// PlanInputs and state shared by all frames.
+/// Inputs and state shared by all frames.
 pub(super) struct Kit {
     pub(super) engine: Engine,
     pub(super) light: Illumination,

@@ -1,4 +1,4 @@
-//! PlanInputs of a plan beside the frame, and the check that both fit the plan.
+//! Inputs of a plan beside the frame, and the check that both fit the plan.
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane, SpecularScene};
@@ -11,7 +11,7 @@ use crate::params::Style;
 use crate::plan::execution::RunInputs;
 use crate::plan::{Available, Plan};
 
-/// PlanInputs of a plan beside the frame.
+/// Inputs of a plan beside the frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PlanInputs<'a> {
     /// The lights, for relighting.
@@ -25,7 +25,7 @@ pub struct PlanInputs<'a> {
 }
 
 impl<'a> PlanInputs<'a> {
-    /// PlanInputs for relighting.
+    /// Inputs for relighting.
     pub fn lit_by(illumination: &'a Illumination) -> Self {
         Self {
             illumination: Some(illumination),

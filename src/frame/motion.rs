@@ -3,8 +3,8 @@
 use super::{Camera, DepthKind, Frame, Plane, SightLines, Vector2Planes};
 
 /// The motion in a static world with a moving camera: from the position where the camera `before` saw the point that is
-/// seen now. [`Vector2Planes::AWAY`] if it was behind the eye, and outside the mask. `None` without a camera, or without depth that is
-/// a distance.
+/// seen now. [`Vector2Planes::AWAY`] if it was behind the eye, and outside the mask. `None` without a camera, or without
+/// depth that is a distance.
 pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Planes> {
     let (depth, camera) = (frame.depth.as_ref()?, frame.camera?);
     let kind = frame.source.depth_kind;

@@ -30,7 +30,7 @@ use crate::shape::curvature::gpu::DESCRIBED;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// PlanInputs of a run other than plan and frame.
+/// Inputs of a run other than plan and frame.
 #[derive(Clone, Copy)]
 pub(crate) struct DeviceInputs<'a> {
     inputs: PlanInputs<'a>,

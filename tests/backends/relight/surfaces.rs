@@ -1,4 +1,4 @@
-//! PlanInputs on surfaces: albedo, coverage, invalid numbers, sizes and masks.
+//! Inputs on surfaces: albedo, coverage, invalid numbers, sizes and masks.
 
 use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
