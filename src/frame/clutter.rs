@@ -4,7 +4,7 @@
 //! Practice: a draughtsman gives such a thing one outline and the tone of its mass. So each of its pixels becomes the mean
 //! of those around it that are about as far away as most of them.
 
-use super::enlarged::{around_pixel, samples};
+use super::enlarged::around_pixel;
 use super::gap::of_frame::is_beside;
 use super::gap::scale::GapScale;
 use super::repair::squares::mean_over_squares;
@@ -101,9 +101,8 @@ struct Masses<'a> {
     frame: &'a Frame,
     depth: &'a Plane,
     scale: GapScale,
-    /// Steps between the pixels that are averaged, and how many to each side.
-    step: usize,
-    steps: usize,
+    /// Columns and rows from a pixel to those that are averaged: at most 113, which 128 bits can choose among.
+    disc: Vec<[isize; 2]>,
     /// The depth of the mass seen at each pixel of clutter, where most pixels around it are covered; NaN elsewhere.
     middle: Plane,
     is_clutter: Plane<bool>,
@@ -115,33 +114,35 @@ impl<'a> Masses<'a> {
         let depth = frame.depth.as_ref().expect("clutter is told by depth");
         let radius = (share * frame.display_window.size_px()).round().max(1.0) as usize;
         let step = radius.div_ceil(MOST_STEPS);
+        let (step, steps) = (step as isize, (radius / step) as isize);
+        let square = (-steps..=steps).flat_map(|down| (-steps..=steps).map(move |a| [a, down]));
+        let disc = square.filter(|[a, down]| a * a + down * down <= steps * steps);
         let mut masses = Self {
             frame,
             depth,
             scale,
-            step,
-            steps: radius / step,
+            disc: disc.map(|at| at.map(|steps| steps * step)).collect(),
             middle: Plane::default(),
             is_clutter,
         };
-        masses.middle = samples([depth.width(), depth.height()], &|| true, |x, y| {
+        masses.middle = Plane::of_pixels(depth.width(), depth.height(), |x, y| {
             masses.middle_around([x, y]).unwrap_or(f32::NAN)
         });
         masses
     }
 
-    /// The pixels around that are averaged.
-    fn around(&self, [x, y]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+    /// The pixels around, with their bits.
+    fn around(&self, [x, y]: [usize; 2]) -> impl Iterator<Item = (u128, [usize; 2])> {
         let (width, height) = (self.depth.width(), self.depth.height());
-        let (step, steps) = (self.step, self.steps as isize);
-        let offsets =
-            (-steps..=steps).flat_map(move |down| (-steps..=steps).map(move |a| [a, down]));
-        let disc = offsets.filter(move |[a, d]| a * a + d * d <= steps * steps);
-        let places = disc.map(move |[a, d]| {
-            let moved = |at: usize, by: isize| at.wrapping_add_signed(by * step as isize);
-            [moved(x, a), moved(y, d)]
-        });
-        places.filter(move |[x, y]| *x < width && *y < height)
+        let places = self
+            .disc
+            .iter()
+            .enumerate()
+            .map(move |(i, [across, down])| {
+                let place = [x.wrapping_add_signed(*across), y.wrapping_add_signed(*down)];
+                (1 << i, place)
+            });
+        places.filter(move |(_, [x, y])| *x < width && *y < height)
     }
 
     /// The middle depth around a pixel of clutter, if most of the pixels there are covered.
@@ -151,8 +152,8 @@ impl<'a> Masses<'a> {
         }
         let mut count = 0;
         let around = self.around(at).inspect(|_| count += 1);
-        let covered = around.filter(|[x, y]| self.frame.mask.at(*x, *y));
-        let mut depths: Vec<f32> = covered.map(|[x, y]| self.depth.at(x, y)).collect();
+        let covered = around.filter(|(_, [x, y])| self.frame.mask.at(*x, *y));
+        let mut depths: Vec<f32> = covered.map(|(_, [x, y])| self.depth.at(x, y)).collect();
         if 2 * depths.len() <= count {
             return None;
         }
@@ -162,16 +163,21 @@ impl<'a> Masses<'a> {
     /// The frame with the means of masses in place of their pixels.
     fn averaged(&self) -> Frame {
         let frame = self.frame;
-        let covered = |x: usize, y: usize| match self.is_clutter.at(x, y) {
-            true => !self.middle.at(x, y).is_nan(),
-            false => frame.mask.at(x, y),
+        let [width, height] = [self.depth.width(), self.depth.height()];
+        let mask = Mask::new(Plane::from_fn(width, height, |x, y| {
+            match self.is_clutter.at(x, y) {
+                true => !self.middle.at(x, y).is_nan(),
+                false => frame.mask.at(x, y),
+            }
+        }));
+        let members = Plane::of_pixels(width, height, |x, y| self.members([x, y]));
+        let means = |plane: &Plane| {
+            Plane::of_pixels(width, height, |x, y| match members.at(x, y) {
+                0 => plane.at(x, y),
+                chosen => self.mean(plane, [x, y], chosen),
+            })
         };
-        let mask = Mask::new(Plane::from_fn(
-            self.depth.width(),
-            self.depth.height(),
-            covered,
-        ));
-        let mut calm = frame.with_planes(mask, |plane| self.means(plane));
+        let mut calm = frame.with_planes(mask, means);
         calm.objects = frame.objects.clone();
         if let Some(lengths) = &mut calm.normal_length {
             // A mass has no edges within pixels.
@@ -183,34 +189,39 @@ impl<'a> Masses<'a> {
         calm
     }
 
-    /// A plane with the means of masses.
-    fn means(&self, plane: &Plane) -> Plane {
-        let size = [plane.width(), plane.height()];
-        samples(size, &|| true, |x, y| self.mean(plane, [x, y]))
-    }
-
-    fn mean(&self, plane: &Plane, [x, y]: [usize; 2]) -> f32 {
+    /// The bits of those around a pixel whose mean it becomes: of its mass, and of the clutter or beside it, whichever
+    /// are more. None for what stays as it is.
+    fn members(&self, [x, y]: [usize; 2]) -> u128 {
         let middle = self.middle.at(x, y);
         if middle.is_nan() {
-            return plane.at(x, y);
+            return 0;
         }
-        let is_of_mass = |[x, y]: &[usize; 2]| {
-            let depths = [middle, self.depth.at(*x, *y)];
-            self.frame.mask.at(*x, *y) && is_of_one_mass(&self.scale, depths)
+        let is_of_mass = |[x, y]: [usize; 2]| {
+            let depths = [middle, self.depth.at(x, y)];
+            self.frame.mask.at(x, y) && is_of_one_mass(&self.scale, depths)
         };
-        // Of those in the clutter and those beside it, whichever are more.
-        let mut sums = [[0.0, 0.0]; 2];
-        for at in self.around([x, y]).filter(is_of_mass) {
-            let [sum, count] = &mut sums[usize::from(self.is_clutter.at(at[0], at[1]))];
-            (*sum, *count) = (*sum + plane.at(at[0], at[1]), *count + 1.0);
+        let mut chosen = [0_u128; 2];
+        for (bit, at) in self.around([x, y]).filter(|(_, at)| is_of_mass(*at)) {
+            chosen[usize::from(self.is_clutter.at(at[0], at[1]))] |= bit;
         }
-        let is_beside = sums[0][1] > sums[1][1];
-        // What is seen between strands stays as it is.
-        if is_beside && is_of_mass(&[x, y]) {
-            return plane.at(x, y);
+        let [beside, within] = chosen;
+        match beside.count_ones() > within.count_ones() {
+            // What is seen between strands.
+            true if is_of_mass([x, y]) => 0,
+            true => beside,
+            false => within,
         }
-        let [sum, count] = sums[usize::from(!is_beside)];
-        sum / f32::max(count, 1.0)
+    }
+
+    /// The mean of a plane over the pixels around that have been chosen.
+    fn mean(&self, plane: &Plane, [x, y]: [usize; 2], chosen: u128) -> f32 {
+        let (mut left, mut sum) = (chosen, 0.0);
+        while left != 0 {
+            let [across, down] = self.disc[left.trailing_zeros() as usize];
+            sum += plane.at(x.wrapping_add_signed(across), y.wrapping_add_signed(down));
+            left &= left - 1;
+        }
+        sum / chosen.count_ones() as f32
     }
 }
 
