@@ -240,9 +240,9 @@ fn what_is_explained_is_what_ran() {
         "relight -o o.exr --light 135,40 --method plain",
         "relight -o o.png --light 135,40 --method scale --albedo-from white",
         "hatch -o o.png",
-        "hatch -o o.svg",
-        "hatch -o o.png --lines-only",
-        "hatch -o o.png --style stipple",
+        "hatch -o o.svg --enlarge 1",
+        "hatch -o o.png --lines-only --enlarge 1",
+        "hatch -o o.png --style stipple --enlarge 1",
         "map -o o.png",
         "map -o o_{map}.png --map curvature,edges,height",
     ] {
