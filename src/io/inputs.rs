@@ -3,6 +3,7 @@
 use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
 pub use crate::frame::{Flip, NormalEncoding, StoredDepth};
 use crate::io::colorspace::ColorSpace;
+use crate::io::roles::Role;
 use crate::params::ObjectAngle;
 use crate::params::table::rows;
 #[cfg(feature = "cli")]
@@ -127,6 +128,17 @@ rows! {
 impl Inputs {
     /// The name of no layer: a role called so is left out, where no layer and no file is called so.
     pub const NONE: &str = "none";
+
+    /// The layers that are read only where they are named, and their names.
+    pub(crate) fn only_named(&self) -> impl Iterator<Item = (Role, &str)> {
+        let layers = [
+            (Role::Mask, &self.mask),
+            (Role::Coverage, &self.coverage),
+            (Role::Importance, &self.importance),
+        ];
+        let named = layers.into_iter();
+        named.filter_map(|(role, name)| Some((role, name.as_deref()?)))
+    }
 }
 
 #[cfg(feature = "cli")]

@@ -113,13 +113,11 @@ impl FrameSources {
         if let Some(name) = &inputs.mask {
             refuse_numbers(name, main)?;
         }
-        roles.extend(find(Role::Mask, &inputs.mask)?);
-        roles.extend(find(Role::Coverage, &inputs.coverage)?);
+        for (role, name) in inputs.only_named() {
+            roles.extend(RoleSource::resolve(role, Some(name), main)?);
+        }
         if needs.motion {
             roles.extend(motion_sources(inputs.motion.as_deref(), main)?);
-        }
-        if inputs.importance.is_some() {
-            roles.extend(find(Role::Importance, &inputs.importance)?);
         }
         // The bare channels Z and A may be depth and the coverage of the picture: of depth it is not read.
         let data = roles.iter_mut().filter(|source| !source.role.is_color());

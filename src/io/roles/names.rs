@@ -8,8 +8,8 @@
 //! [`IMPLIED`]; to recognise a renderer by its attributes, add a row to [`RENDERERS`].
 
 use crate::frame::NormalSpace;
+use crate::frame::StoredDepth::{self, Inverse, NormalizedNearIsOne, Planar, Ray};
 use crate::io::exr::ExrFile;
-use crate::io::inputs::StoredDepth::{self, Inverse, NormalizedNearIsOne, Planar, Ray};
 use crate::io::text::is_one_of;
 use serde::Serialize;
 use std::path::Path;
