@@ -107,6 +107,9 @@ impl Kernel {
             }
             source += part.text;
         }
+        if !source.contains("@compute") {
+            source += include_str!("pixels.wgsl");
+        }
         source
     }
 }

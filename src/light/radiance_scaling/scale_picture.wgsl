@@ -1,11 +1,6 @@
 // Radiance scaling of a finished picture: intensity is its luminance over the white level.
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
-        return;
-    }
-    let i = index_of(id.x, id.y);
+fn pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) || trace[i] == 0.0 {
         return;
     }

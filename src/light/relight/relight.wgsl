@@ -322,12 +322,10 @@ fn compose(i: u32) {
     blue[i] = premultiplied(shown.z, coverage);
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() || !is_covered(id.x, id.y) {
+fn pixel(id: vec2<u32>, i: u32) {
+    if !is_covered(id.x, id.y) {
         return;
     }
-    let i = index_of(id.x, id.y);
     prepare(i, id.x, id.y);
     add_lights();
     compose(i);

@@ -37,12 +37,7 @@ fn ink_of(level: u32, weight: f32, density: f32, place: vec2<f32>) -> f32 {
     return ink(at, threshold);
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
-        return;
-    }
-    let i = index_of(id.x, id.y);
+fn pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) {
         paper[i] = 0.0;
         return;

@@ -183,12 +183,7 @@ fn found_at(x: u32, y: u32) -> Found {
     return found;
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
-        return;
-    }
-    let i = index_of(id.x, id.y);
+fn pixel(id: vec2<u32>, i: u32) {
     var found = Found(vec2<f32>(0.0), false);
     if is_covered(id.x, id.y) {
         found = found_at(id.x, id.y);

@@ -42,12 +42,7 @@ fn principal_direction(hessian: vec3<f32>) -> vec2<f32> {
     return t;
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
-        return;
-    }
-    let i = index_of(id.x, id.y);
+fn pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) {
         curvature[i] = vec4<f32>(0.0);
         direction[i] = vec2<f32>(0.0);

@@ -110,13 +110,9 @@ fn strength_after(at: vec2<i32>, axis: vec2<i32>, pitch: f32, step: vec2<f32>) -
     return select(-strength, strength, a.depth <= b.depth);
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
-        return;
-    }
+fn pixel(id: vec2<u32>, i: u32) {
     let at = vec2<i32>(id.xy);
     let across = strength_after(at, vec2<i32>(1, 0), params.pitch.x, vec2<f32>(params.step.x, 0.0));
     let down = strength_after(at, vec2<i32>(0, 1), params.pitch.y, vec2<f32>(0.0, params.step.y));
-    gaps[index_of(id.x, id.y)] = vec2<f32>(across, down);
+    gaps[i] = vec2<f32>(across, down);
 }
