@@ -3,8 +3,8 @@
 
 use super::exit::{DONE, FAILED, MISUSED, SOME_FAILED, STOPPED};
 use crate::command::args::LayerNames;
-use crate::command::commands::program;
-use crate::command::recipe::{COMMANDS, is_setting, is_switch};
+use crate::command::commands::{COMMANDS, program};
+use crate::command::recipe::{is_setting, is_switch};
 use crate::error::short as short_number;
 use crate::params::{Choice, Kind, Many, Param};
 use crate::product::{Product, ProductRow};

@@ -39,6 +39,9 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
+/// Commands that make something of a frame, which recipes can run.
+pub(crate) const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "map", "normals"];
+
 #[derive(Debug, Clone, Subcommand)]
 pub(crate) enum Command {
     /// Describe files: the role and space of each layer, and the evidence.

@@ -104,7 +104,7 @@ fn kind(arg: &Arg) -> SettingKind {
 
 #[cfg(test)]
 mod tests {
-    use super::super::recipe::COMMANDS;
+    use super::super::commands::COMMANDS;
     use super::*;
 
     fn all() -> Vec<Setting> {

@@ -44,4 +44,4 @@ pub use thumbnail::thumbnail;
 pub use work::Work;
 
 /// The commands that make something of a frame. `normals` is not among them: it is `map` of the map called so.
-pub const COMMANDS: &[&str] = crate::command::recipe::COMMANDS.split_at(5).0;
+pub const COMMANDS: &[&str] = crate::command::commands::COMMANDS.split_at(5).0;

@@ -3,11 +3,11 @@
 use super::made::{Made, named};
 use super::scene::File;
 use crate::command::chosen::Chosen;
-use crate::command::commands::{Command, command_named, long};
+use crate::command::commands::{COMMANDS, Command, command_named, long};
 use crate::command::error_line::misuse_line;
 use crate::command::flags::Flag;
 use crate::command::invocation::{Invocation, Task};
-use crate::command::recipe::{COMMANDS, Recipe, is_setting, is_switch};
+use crate::command::recipe::{Recipe, is_setting, is_switch};
 use crate::command::sequence::SequenceArgs;
 use crate::error::{Error, Result};
 use crate::io::inputs::{INPUTS, Inputs};

@@ -26,9 +26,6 @@ pub(crate) const KEEP_LEVELS: &str = "--keep-levels";
 /// The flag naming the frames that choose for all; unused where a recipe already holds their choices.
 pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
-/// Commands that a recipe can run.
-pub const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "map", "normals"];
-
 /// Names of the presets.
 pub(super) fn presets() -> String {
     PRESETS.map(|(name, _)| name).join(", ")

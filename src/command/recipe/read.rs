@@ -1,8 +1,8 @@
 //! From TOML to flags.
 
 use super::presets::preset;
-use super::{CHOSEN, COMMANDS, FRAMES, VERSION, is_repeatable, is_setting, is_switch};
-use crate::command::commands::{command_named, long, names_of};
+use super::{CHOSEN, FRAMES, VERSION, is_repeatable, is_setting, is_switch};
+use crate::command::commands::{COMMANDS, command_named, long, names_of};
 use crate::command::flags::Flag;
 use crate::error::{Error, Result};
 use crate::io::open::open_input;

@@ -1,7 +1,7 @@
 //! The JSON schema of recipes, from the table of parameters and the other flags.
 
-use super::{CHOSEN, COMMANDS, FRAMES, VERSION};
-use crate::command::commands::command_named;
+use super::{CHOSEN, FRAMES, VERSION};
+use crate::command::commands::{COMMANDS, command_named};
 use crate::command::setting::{self, Setting, settings_of};
 use crate::params::{Kind, Many, Param};
 use clap::Command;
