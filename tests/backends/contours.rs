@@ -1,8 +1,7 @@
 //! Lines along edges that the device found.
 
 use super::drawing::{assert_drawn, pen};
-use super::{on_gpu, with_color};
-use crate::common::poisoned;
+use super::{covered_where, on_gpu, with_color};
 use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
 use relievo::params::StrokeScale;
@@ -28,18 +27,15 @@ fn disc(width: usize, height: usize) -> Plane {
 /// Frames whose edges come from every kind of evidence.
 fn edged() -> Vec<(&'static str, Frame)> {
     let balls = ExactScene::two_balls(30.0, 38.0, 82.2, 70.4);
-    let near = with_color(balls.in_perspective().frame(165, 141));
-    let balls = ExactScene::two_balls(30.0, 38.0, 82.2, 70.4);
     let far = with_color(balls.frame(165, 141));
+    let near = with_color(balls.in_perspective().frame(165, 141));
     let block = with_color(ExactScene::box_corner(true, 0.3, 80.3, 62.9).frame(163, 129));
     let disc = disc(150, 131);
     let steps = |[low, high]: [f32; 2]| disc.map(|share| low + share * (high - low));
 
     let mut spread = wall(150, 131);
-    spread.depth = Some(steps([
-        1.25 * Surface::DISTANCE as f32,
-        Surface::DISTANCE as f32,
-    ]));
+    let distance = Surface::DISTANCE as f32;
+    spread.depth = Some(steps([1.25 * distance, distance]));
     let mut occluded = wall(150, 131);
     occluded.depth = None;
     occluded.occlusion = Some(steps([0.9, 0.2]));
@@ -63,13 +59,7 @@ fn edged() -> Vec<(&'static str, Frame)> {
     let mut beside = leaning(plain());
     beside.mask = Mask::new(Plane::from_fn(150, 120, |x, _| x < 72));
 
-    let with_holes = |frame: &Frame| {
-        let mut frame = frame.clone();
-        frame.mask = Mask::new(Plane::from_fn(165, 141, |x, y| {
-            frame.mask.at(x, y) && !(x % 40 < 6 && y % 30 < 4)
-        }));
-        poisoned(&frame, f32::NAN)
-    };
+    let with_holes = |frame| covered_where(frame, |x, y| !(x % 40 < 6 && y % 30 < 4), f32::NAN);
     let mut rim = unmapped.clone();
     rim.alpha = Some(disc);
     vec![

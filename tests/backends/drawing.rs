@@ -1,13 +1,11 @@
 //! Drawings: strokes and contours of both backends.
 
 use super::hostile::HOSTILE;
-use super::{assert_alike, on_gpu, waves, with_color};
-use crate::common::cpu;
-use crate::common::poisoned;
+use super::{MASKS, assert_alike, covered_where, on_gpu, outcomes, waves, with_color};
 use glam::DVec3;
 use relievo::engine::gpu::DeviceRunner;
 use relievo::engine::{Outcome, PlanInputs, SequenceInputs, TextureCoordinates};
-use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
+use relievo::frame::{Frame, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{
@@ -44,22 +42,17 @@ pub(super) fn assert_drawn(
         illumination: Some(&lamp),
         ..PlanInputs::default()
     };
-    let expected = cpu::execute(&plan, frame, inputs).unwrap();
-    let found = runner.execute(&plan, frame, inputs).unwrap();
-    assert_is_drawing(name, found, expected)
+    assert_is_drawing(name, outcomes(runner, &plan, frame, inputs))
 }
 
 /// Asserts that a drawing is that of the CPU, and gives the ink of its strokes and contours in all.
 #[track_caller]
-fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] {
-    assert_alike(name, &found, &expected, |product| {
-        let is_drawn = matches!(
-            product,
-            Product::Picture | Product::Strokes | Product::Contours
-        );
-        is_drawn.then(|| product.tolerance())
+fn assert_is_drawing(name: &str, made: [Outcome; 2]) -> [f32; 2] {
+    use Product::{Contours, Picture, Strokes};
+    assert_alike(name, &made[0], &made[1], |product| {
+        matches!(product, Picture | Strokes | Contours)
     });
-    let [found, expected] = [found, expected].map(|outcome| outcome.drawing.unwrap());
+    let [found, expected] = made.map(|outcome| outcome.drawing.unwrap());
     let white = [&found, &expected].map(|drawing| drawing.white_point);
     assert!(
         (white[0] / white[1] - 1.0).abs() < 1e-5,
@@ -69,10 +62,8 @@ fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] 
         [&found, &expected].map(|drawing| [drawing.contour_lines.len(), drawing.lines.len()]);
     assert_eq!(lines[0], lines[1], "{name}");
     let ink = |plane: &Plane| plane.samples().iter().sum::<f32>();
-    [
-        ink(&expected.hatching),
-        expected.contours.as_ref().map_or(0.0, ink),
-    ]
+    let contours = expected.contours.as_ref();
+    [ink(&expected.hatching), contours.map_or(0.0, ink)]
 }
 
 /// The picture as it is, with its shape brought out, and in new light.
@@ -120,56 +111,42 @@ fn torus() -> Frame {
 }
 
 fn settings() -> Vec<(&'static str, LineParams)> {
-    let with = |change: fn(&mut LineParams)| {
+    let rows: [(_, fn(&mut LineParams)); 7] = [
+        ("usual", |_| ()),
+        ("pencil", |line| line.strokes.style = Style::Pencil),
+        ("pencil both ways, another seed", |line| {
+            line.strokes.style = Style::Pencil;
+            line.strokes.seed = 1 << 40 | 9;
+            line.directions = StrokeDirections::Both;
+            line.contours.as_mut().unwrap().width_px = 5.0;
+        }),
+        ("small in sets", |line| {
+            line.strokes.scale = StrokeScale::Factor(0.4);
+            line.strokes.sets = 3;
+            line.strokes.levels = 7;
+            line.directions = StrokeDirections::Both;
+        }),
+        ("large on one level, dark", |line| {
+            line.strokes.scale = StrokeScale::Factor(3.0);
+            line.strokes.levels = 1;
+            line.directions = StrokeDirections::Min;
+            line.tone.white_point = Adaptive::Fixed(1.7);
+            line.tone.black_point = 0.2;
+            line.tone.gamma = 1.0;
+            line.contours = None;
+        }),
+        ("pictures", |line| line.strokes.style = Style::Pictures),
+        ("lines", |line| {
+            line.strokes.style = Style::Lines;
+            line.directions = StrokeDirections::Max;
+        }),
+    ];
+    let rows = rows.into_iter().map(|(name, change)| {
         let mut params = pen();
         change(&mut params);
-        params
-    };
-    vec![
-        ("usual", pen()),
-        ("pencil", with(|line| line.strokes.style = Style::Pencil)),
-        (
-            "pencil both ways, another seed",
-            with(|line| {
-                line.strokes.style = Style::Pencil;
-                line.strokes.seed = 1 << 40 | 9;
-                line.directions = StrokeDirections::Both;
-                line.contours.as_mut().unwrap().width_px = 5.0;
-            }),
-        ),
-        (
-            "small in sets",
-            with(|line| {
-                line.strokes.scale = StrokeScale::Factor(0.4);
-                line.strokes.sets = 3;
-                line.strokes.levels = 7;
-                line.directions = StrokeDirections::Both;
-            }),
-        ),
-        (
-            "large on one level, dark",
-            with(|line| {
-                line.strokes.scale = StrokeScale::Factor(3.0);
-                line.strokes.levels = 1;
-                line.directions = StrokeDirections::Min;
-                line.tone.white_point = Adaptive::Fixed(1.7);
-                line.tone.black_point = 0.2;
-                line.tone.gamma = 1.0;
-                line.contours = None;
-            }),
-        ),
-        (
-            "pictures",
-            with(|line| line.strokes.style = Style::Pictures),
-        ),
-        (
-            "lines",
-            with(|line| {
-                line.strokes.style = Style::Lines;
-                line.directions = StrokeDirections::Max;
-            }),
-        ),
-    ]
+        (name, params)
+    });
+    rows.collect()
 }
 
 #[test]
@@ -182,21 +159,11 @@ fn styles_families_and_scales() {
                     let [strokes, contours] = assert_drawn(&name, runner, &frame, line, tone);
                     let pixels = frame.mask.count() as f32;
                     // A single tone under the lamp leaves hardly any paper.
-                    let most = if tone_name == "in new light" {
-                        1.0
-                    } else {
-                        0.95
-                    };
+                    let most = [0.95, 1.0][usize::from(tone_name == "in new light")];
                     // Light tones get no lines.
-                    let least = if line.strokes.style == Style::Lines {
-                        0.01
-                    } else {
-                        0.05
-                    };
-                    assert!(
-                        strokes > least * pixels && strokes < most * pixels,
-                        "{name}: {strokes} of {pixels}"
-                    );
+                    let least = [0.05, 0.01][usize::from(line.strokes.style == Style::Lines)];
+                    let share = strokes / pixels;
+                    assert!(share > least && share < most, "{name}: {share}");
                     let lined = scene == "torus" && line.contours.is_some();
                     assert!(!lined || contours > 100.0, "{name}: {contours}");
                 }
@@ -216,17 +183,9 @@ fn sizes_and_masks() {
         for (width, height) in [(1, 1), (1, 7), (65, 1), (33, 2), (129, 5), (16, 48)] {
             frames.push((format!("{width}x{height}"), waves(width, height)));
         }
-        type Covers = fn(usize, usize) -> bool;
-        let masks: [(&str, Covers); 4] = [
-            ("nothing", |_, _| false),
-            ("one pixel", |x, y| x == 20 && y == 9),
-            ("speckled", |x, y| !(x * 7 + y * 13).is_multiple_of(5)),
-            ("squares", |x, y| (x / 20 + y / 20).is_multiple_of(2)),
-        ];
-        for (name, covers) in masks {
-            let mut frame = waves(80, 60);
-            frame.mask = Mask::new(Plane::from_fn(80, 60, covers));
-            frames.push((name.into(), poisoned(&frame, f32::NAN)));
+        let whole = waves(80, 60);
+        for (name, covers) in MASKS {
+            frames.push((name.into(), covered_where(&whole, covers, f32::NAN)));
         }
         // Far from the origin, and before it.
         let whole = waves(200, 150);
@@ -261,9 +220,8 @@ fn colors_that_are_no_numbers_are_black_or_white() {
             1 => 0.0,
             _ => 1.0,
         }));
-        for (tone_name, tone) in tones() {
-            let line = pen();
-            assert_drawn(tone_name, runner, &frame, line, tone);
+        for (name, tone) in tones() {
+            assert_drawn(name, runner, &frame, pen(), tone);
         }
     });
 }
@@ -324,7 +282,11 @@ fn strokes_move_with_the_surface() {
             ("motion that is no number", &flat, &holed, crossed),
             ("pictures", &whole, &motion, of_pictures),
         ] {
-            let plan = moving_plan(frame, line);
+            let available = Available {
+                moving: true,
+                ..Available::in_frame(frame)
+            };
+            let plan = drawing_plan(line, available);
             let mut before: Option<TextureCoordinates> = None;
             let mut most_sheets = 0;
             for number in 0..9 {
@@ -337,27 +299,23 @@ fn strokes_move_with_the_surface() {
                     sequence: Some(sequence),
                     ..PlanInputs::default()
                 };
-                let expected = cpu::execute(&plan, frame, inputs).unwrap();
-                let drawing = expected.drawing.as_ref().unwrap();
-                let coordinates = drawing.coordinates.clone().unwrap();
-                most_sheets = coordinates.mean_shares().len().max(most_sheets);
-                let found = runner.execute(&plan, frame, inputs).unwrap();
-                let handed_on = found.drawing.as_ref().unwrap().coordinates.as_ref();
-                let shares = handed_on.unwrap().mean_shares();
-                assert_eq!(shares, coordinates.mean_shares());
-                assert_is_drawing(&format!("{name}, frame {number}"), found, expected);
-                before = Some(coordinates);
+                let made = outcomes(runner, &plan, frame, inputs);
+                let handed_on = |outcome: &Outcome| {
+                    let drawing = outcome.drawing.as_ref().unwrap();
+                    drawing.coordinates.clone().unwrap()
+                };
+                let [found, expected] = made.each_ref().map(handed_on);
+                most_sheets = expected.mean_shares().len().max(most_sheets);
+                assert_eq!(found.mean_shares(), expected.mean_shares(), "{name}");
+                assert_is_drawing(&format!("{name}, frame {number}"), made);
+                before = Some(expected);
             }
             assert!(most_sheets > 1, "{name}");
         }
     });
 }
 
-fn moving_plan(frame: &Frame, line: LineParams) -> Plan {
-    let available = Available {
-        moving: true,
-        ..Available::in_frame(frame)
-    };
+fn drawing_plan(line: LineParams, available: Available) -> Plan {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
 }
@@ -373,10 +331,6 @@ fn what_has_no_kernels_is_named() {
         }),
         ..Available::in_frame(&frame)
     };
-    let drawn = |available| {
-        let line = pen();
-        Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
-    };
     let lit = |material, available| {
         let mut relight = RelightParams::default();
         relight.material.material = material;
@@ -388,26 +342,19 @@ fn what_has_no_kernels_is_named() {
             Material::Mirror => (false, true),
             _ => (true, false),
         };
-        Plan::new(
-            Goal::Relight(relight),
-            Available {
-                new_light: kinds,
-                ..available
-            },
-            shape,
-            scaling,
-        )
-        .unwrap()
+        let available = Available {
+            new_light: kinds,
+            ..available
+        };
+        Plan::new(Goal::Relight(relight), available, shape, scaling).unwrap()
     };
     let known = Available::in_frame(&frame);
+    let traced = Some("that show what is traced");
     for (plan, expected) in [
-        (drawn(known), None),
-        (drawn(seen), Some("that show what is traced")),
+        (drawing_plan(pen(), known), None),
+        (drawing_plan(pen(), seen), traced),
         (lit(Material::Lambert, known), None),
-        (
-            lit(Material::Mirror, seen),
-            Some("that show what is traced"),
-        ),
+        (lit(Material::Mirror, seen), traced),
         (
             lit(Material::AshikhminShirley, known),
             Some("a grain along the curvature"),

@@ -1,13 +1,13 @@
 //! Hostile values and sizes from files and callers: the GPU treats them as the CPU does.
 
-use super::{assert_same, on_gpu, plan, waves};
+use super::{
+    GOALS, MASKS, assert_same, assert_same_colors, covered_where, on_gpu, outcomes, plan, waves,
+};
 use crate::common::cpu;
-use crate::common::poisoned;
 use relievo::engine::PlanInputs;
 use relievo::frame::Window;
-use relievo::params::{Adaptive, ScalingParams, ShapeParams};
+use relievo::params::{Adaptive, Params};
 use relievo::plan::Goal;
-use relievo::scenes::frames::masked;
 
 /// Values that no renderer means as a colour.
 pub(super) const HOSTILE: [f32; 7] = [
@@ -30,34 +30,17 @@ fn colors_that_are_no_numbers() {
             color.b.row_mut(20)[5 * i] = value;
             color.g.row_mut(20)[5 * i] = value;
         }
-        let scaling = ScalingParams::default();
-        let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
-        let expected = cpu::run(&plan, &frame).unwrap().color.unwrap();
-        let found = runner
-            .execute(&plan, &frame, PlanInputs::default())
-            .unwrap()
-            .color
-            .unwrap();
-        for (found, expected) in [
-            (found.r, expected.r),
-            (found.g, expected.g),
-            (found.b, expected.b),
-        ] {
-            for (f, e) in found.samples().iter().zip(expected.samples()) {
-                let same = f == e || f.is_nan() && e.is_nan() || (f / e - 1.0).abs() < 1e-5;
-                assert!(
-                    same || f.abs().max(e.abs()) < f32::MIN_POSITIVE,
-                    "{f:e}, not {e:e}"
-                );
-            }
-        }
+        let plan = plan(Goal::Enhance, &frame, &Params::default());
+        let made = outcomes(runner, &plan, &frame, PlanInputs::default());
+        assert_same_colors("enhanced", made, f32::MIN_POSITIVE);
     });
 }
 
 #[test]
-fn sizes() {
+fn sizes_and_masks() {
     on_gpu(|runner| {
-        for (width, height) in [
+        let usual = Params::default();
+        let sizes = [
             (1, 1),
             (1, 7),
             (65, 1),
@@ -65,57 +48,18 @@ fn sizes() {
             (64, 32),
             (129, 5),
             (300, 3),
-        ] {
-            let frame = waves(width, height);
-            for goal in [Goal::LAYERS, Goal::Enhance] {
-                let plan = plan(
-                    goal,
-                    &frame,
-                    ShapeParams::default(),
-                    ScalingParams::default(),
-                );
-                assert_same(&format!("{width}x{height}"), runner, &plan, &frame);
-            }
+        ];
+        for (width, height) in sizes {
+            let (name, frame) = (format!("{width}x{height}"), waves(width, height));
+            assert_same(&name, runner, &GOALS, &frame, &usual);
         }
-    });
-}
-
-#[test]
-fn masks() {
-    on_gpu(|runner| {
-        let speckled = |x: usize, y: usize| !(x * 7 + y * 13).is_multiple_of(5);
-        for (name, frame) in [
-            ("nothing", masked(waves(40, 30), |_, _| false)),
-            ("one pixel", masked(waves(40, 30), |x, y| x == 20 && y == 9)),
-            ("speckled", masked(waves(80, 60), speckled)),
-            ("half", masked(waves(80, 60), |x, _| x < 37)),
-        ] {
-            for goal in [Goal::LAYERS, Goal::Display, Goal::Enhance] {
-                let plan = plan(
-                    goal,
-                    &frame,
-                    ShapeParams::default(),
-                    ScalingParams::default(),
-                );
-                assert_same(name, runner, &plan, &frame);
+        let frame = waves(80, 60);
+        for (name, covers) in MASKS {
+            for poison in [0.0, f32::NAN, f32::INFINITY, -1.0] {
+                let name = format!("{name}, poisoned by {poison}");
+                let frame = covered_where(&frame, covers, poison);
+                assert_same(&name, runner, &GOALS, &frame, &usual);
             }
-        }
-    });
-}
-
-#[test]
-fn what_lies_outside_the_mask_changes_nothing() {
-    on_gpu(|runner| {
-        let frame = masked(waves(80, 60), |x, y| (x / 20 + y / 20).is_multiple_of(2));
-        for poison in [f32::NAN, f32::INFINITY, -1.0] {
-            let frame = poisoned(&frame, poison);
-            let plan = plan(
-                Goal::LAYERS,
-                &frame,
-                ShapeParams::default(),
-                ScalingParams::default(),
-            );
-            assert_same(&format!("poisoned by {poison}"), runner, &plan, &frame);
         }
     });
 }
@@ -124,21 +68,15 @@ fn what_lies_outside_the_mask_changes_nothing() {
 fn a_crop_is_the_whole_away_from_its_border() {
     on_gpu(|runner| {
         let frame = waves(200, 150);
-        let scaling = ScalingParams {
-            curvature_gain: Adaptive::Fixed(3.0),
-            white_level: Adaptive::Fixed(1.0),
-            ..ScalingParams::default()
-        };
-        let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
+        let mut params = Params::default();
+        params.scaling.curvature_gain = Adaptive::Fixed(3.0);
+        params.scaling.white_level = Adaptive::Fixed(1.0);
+        let plan = plan(Goal::Enhance, &frame, &params);
         let whole = cpu::run(&plan, &frame).unwrap().color.unwrap();
         let window = frame.data_window;
-        let (x0, y0) = (window.x0 + 31, window.y0 + 22);
-        let crop = frame.crop(Window::at(x0, y0, 140, 101));
-        let part = runner
-            .execute(&plan, &crop, PlanInputs::default())
-            .unwrap()
-            .color
-            .unwrap();
+        let crop = frame.crop(Window::at(window.x0 + 31, window.y0 + 22, 140, 101));
+        let part = runner.execute(&plan, &crop, PlanInputs::default());
+        let part = part.unwrap().color.unwrap();
         let reach = plan.reach();
         for y in reach..101 - reach {
             for x in reach..140 - reach {

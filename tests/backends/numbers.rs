@@ -1,14 +1,12 @@
 //! Numbers at the limits of single precision: invalid ones are dropped on reading, and both backends treat the rest
 //! alike.
 
-use super::{assert_same, on_gpu, plan, waves};
+use super::{GOALS, assert_same, on_gpu, waves, with_shape};
 use crate::common::exr::Stored;
 use crate::common::through_a_file;
 use relievo::frame::{Frame, Plane, Vector3Planes};
-use relievo::params::{Scale, ScalingParams, ShapeParams};
+use relievo::params::{Params, Scale};
 use relievo::plan::Goal;
-
-const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 
 /// Every so-manieth pixel of a plane in turn made one of `values`.
 fn scattered(plane: &Plane, every: usize, values: &[f32]) -> Plane {
@@ -33,12 +31,8 @@ fn unit(vectors: &Vector3Planes) -> Vector3Planes {
             false => [x, y, 1.0],
         }
     };
-    let plane = |axis: usize| Plane::from_fn(width, height, |x, y| at(x, y)[axis]);
-    Vector3Planes {
-        x: plane(0),
-        y: plane(1),
-        z: plane(2),
-    }
+    let [x, y, z] = [0, 1, 2].map(|axis| Plane::from_fn(width, height, |x, y| at(x, y)[axis]));
+    Vector3Planes { x, y, z }
 }
 
 /// The frame after being written to a file and read back.
@@ -80,13 +74,7 @@ fn what_is_no_number_in_a_file() {
     let read = as_read(&frame);
     let covered = read.mask.count();
     assert!(covered < 90 * 70 && covered > 80 * 70, "{covered}");
-    on_gpu(|runner| {
-        for goal in GOALS {
-            let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-            let plan = plan(goal, &read, shape, scaling);
-            assert_same(&format!("from a file, {goal:?}"), runner, &plan, &read);
-        }
-    });
+    on_gpu(|runner| assert_same("from a file", runner, &GOALS, &read, &Params::default()));
 }
 
 /// Devices may flush numbers below the least normal one, 1.2e-38, to 0. For normals and occlusion the difference is no
@@ -105,21 +93,16 @@ fn zeros_of_both_signs_and_numbers_next_to_them() {
             frame.normal_length = Some(Plane::from_fn(80, 60, |x, y| {
                 [1.0, 0.99, 1e-40, 0.0, -0.0][usize::from(x % 37 == 0) * (1 + y % 4)]
             }));
-            let shape = ShapeParams {
-                scale,
-                foreshortening: 1.0,
-                ..ShapeParams::default()
-            };
-            for goal in GOALS {
-                let plan = plan(goal, &frame, shape, ScalingParams::default());
-                assert_same(&format!("{scale:?}, {goal:?}"), runner, &plan, &frame);
-            }
+            let params = with_shape(|shape| {
+                (shape.scale, shape.foreshortening) = (scale, 1.0);
+            });
+            assert_same(&format!("{scale:?}"), runner, &GOALS, &frame, &params);
             frame.depth = None;
             frame.occlusion = Some(Plane::from_fn(80, 60, |x, y| {
                 [0.5, 0.0, -0.0, 1e-40, 1.0][usize::from(y % 17 == 0) * (1 + x % 4)]
             }));
-            let plan = plan(Goal::LAYERS, &frame, shape, ScalingParams::default());
-            assert_same(&format!("{scale:?}, occlusion"), runner, &plan, &frame);
+            let name = format!("{scale:?}, occlusion");
+            assert_same(&name, runner, &[Goal::LAYERS], &frame, &params);
         }
     });
 }
@@ -141,11 +124,8 @@ fn the_nearest_and_the_farthest_depth() {
             let mut frame = waves(80, 60);
             let depth = frame.depth.as_ref().unwrap();
             frame.depth = Some(scattered(depth, 59, &ends[..count]));
-            for goal in GOALS {
-                let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-                let plan = plan(goal, &frame, shape, scaling);
-                assert_same(&format!("{count} depths, {goal:?}"), runner, &plan, &frame);
-            }
+            let name = format!("{count} depths");
+            assert_same(&name, runner, &GOALS, &frame, &Params::default());
         }
     });
 }

@@ -2,8 +2,6 @@
 
 use super::super::on_gpu;
 use super::{Asked, LIT, METHODS, torus, torus_from_near};
-use crate::common::cpu;
-use relievo::engine::PlanInputs;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
 use relievo::params::{Adaptive, Material, Method, Scale};
@@ -25,8 +23,8 @@ fn materials_and_methods() {
 #[test]
 fn numbers_of_materials_and_methods() {
     on_gpu(|runner| {
-        use Material::{AshikhminShirley, BlinnPhong, Lambert, Phong, Sublambert, Toon};
-        let table: [(&str, Material, Method, Change); 12] = [
+        use Material::{AshikhminShirley, BlinnPhong, Lambert, Mirror, Phong, Sublambert, Toon};
+        let table: [(&str, Material, Method, Change); 17] = [
             ("a power that is not whole", Phong, Method::Both, |a| {
                 a.relight.material.shininess = 12.7
             }),
@@ -68,8 +66,28 @@ fn numbers_of_materials_and_methods() {
                 a.shape.scale = Scale::Sigma(3.0);
                 a.shape.reference_height = Some(60);
             }),
+            // Light that amplifies rounding.
+            ("a small highlight", BlinnPhong, Method::Both, |a| {
+                a.relight.material.shininess = 3000.5;
+            }),
+            ("a brushed coat", AshikhminShirley, Method::Both, |a| {
+                a.relight.material.coat = [5.0, 1000.0];
+            }),
+            ("almost flat", Sublambert, Method::Warp, |a| {
+                a.relight.material.flatness = 0.2;
+            }),
+            ("nearly hard tones", BlinnPhong, Method::Scale, |a| {
+                a.relight.toon_levels = Some(6);
+                a.relight.toon_softness = 0.02;
+            }),
+            ("a mirrored check", Mirror, Method::Both, |a| {
+                let check = Environment::from_fn(2048, 1024, |x, y| [((x + y) % 2) as f32; 3]);
+                a.light = Illumination {
+                    environment: Some(check.into()),
+                    ..Illumination::default()
+                };
+            }),
         ];
-        let table = table.into_iter().chain(steep());
         let frame = torus();
         for (name, material, method, change) in table {
             let asked = Asked::of(material, method).with(change);
@@ -80,33 +98,6 @@ fn numbers_of_materials_and_methods() {
 
 type Change = fn(&mut Asked);
 
-/// Light that amplifies rounding.
-fn steep() -> [(&'static str, Material, Method, Change); 5] {
-    use Material::{AshikhminShirley, BlinnPhong, Mirror, Sublambert};
-    [
-        ("a small highlight", BlinnPhong, Method::Both, |a| {
-            a.relight.material.shininess = 3000.5;
-        }),
-        ("a brushed coat", AshikhminShirley, Method::Both, |a| {
-            a.relight.material.coat = [5.0, 1000.0];
-        }),
-        ("almost flat", Sublambert, Method::Warp, |a| {
-            a.relight.material.flatness = 0.2;
-        }),
-        ("nearly hard tones", BlinnPhong, Method::Scale, |a| {
-            a.relight.toon_levels = Some(6);
-            a.relight.toon_softness = 0.02;
-        }),
-        ("a mirrored check", Mirror, Method::Both, |a| {
-            let check = Environment::from_fn(2048, 1024, |x, y| [((x + y) % 2) as f32; 3]);
-            a.light = Illumination {
-                environment: Some(check.into()),
-                ..Illumination::default()
-            };
-        }),
-    ]
-}
-
 #[test]
 fn hard_tones_are_the_same_but_for_a_pixel_on_the_edge() {
     on_gpu(|runner| {
@@ -116,12 +107,8 @@ fn hard_tones_are_the_same_but_for_a_pixel_on_the_edge() {
                 asked.relight.toon_levels = Some(5);
                 asked.relight.toon_softness = 0.0;
             });
-            let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::execute(&plan, &frame, PlanInputs::lit_by(&asked.light)).unwrap();
-            let found = runner
-                .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
-                .unwrap();
-            let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap().g);
+            let made = asked.outcomes(runner, &frame);
+            let [found, expected] = made.map(|outcome| outcome.color.unwrap().g);
             let pairs = found.samples().iter().zip(expected.samples());
             let apart = pairs.filter(|(f, e)| (**f - **e).abs() > 1e-5 * e.abs());
             assert!(apart.count() <= 3, "{method:?}");

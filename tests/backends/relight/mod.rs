@@ -4,12 +4,11 @@ mod lights;
 mod materials;
 mod surfaces;
 
-use super::{assert_alike, with_color};
-use crate::common::cpu;
+use super::{assert_within, outcomes, with_color};
 use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
 use glam::Vec3;
-use relievo::engine::PlanInputs;
 use relievo::engine::gpu::DeviceRunner;
+use relievo::engine::{Outcome, PlanInputs};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -50,14 +49,17 @@ impl Asked {
     fn assert_same(&self, name: &str, runner: &DeviceRunner, frame: &Frame) {
         let plan = self.plan(frame).unwrap();
         assert_eq!(DeviceRunner::lacks(&plan), None, "{name}");
-        let expected = cpu::execute(&plan, frame, PlanInputs::lit_by(&self.light)).unwrap();
-        let found = runner
-            .execute(&plan, frame, PlanInputs::lit_by(&self.light))
-            .unwrap();
+        let [found, expected] = self.outcomes(runner, frame);
         let allowed = self.tolerance();
-        assert_alike(name, &found, &expected, |product| {
+        assert_within(name, &found, &expected, |product| {
             (product == Product::Picture).then_some(allowed)
         });
+    }
+
+    #[track_caller]
+    fn outcomes(&self, runner: &DeviceRunner, frame: &Frame) -> [Outcome; 2] {
+        let inputs = PlanInputs::lit_by(&self.light);
+        outcomes(runner, &self.plan(frame).unwrap(), frame, inputs)
     }
 
     /// The largest difference between backends, relative to the largest value: that of [`Product::Picture`], except for
@@ -86,10 +88,9 @@ impl Asked {
         let painted = pixels.fold(0.0, f64::max) * COSINE_ERROR;
         let least = Product::Picture.tolerance();
         let smooth = least.max(lobe).max(seen).max(painted);
-        match self.relight.tones() {
-            Some(tones) if tones.softness > 0.0 => {
-                smooth * (1.5 / f64::from(tones.softness)).max(1.0)
-            }
+        let softness = self.relight.tones().map(|tones| f64::from(tones.softness));
+        match softness {
+            Some(softness) if softness > 0.0 => smooth * (1.5 / softness).max(1.0),
             Some(_) => 1.0,
             None => smooth,
         }
@@ -132,11 +133,8 @@ fn ball(bright: f32) -> LitSphere {
             bright * (1.0 + (0.09 * k * x as f32).sin() * (0.08 * y as f32).cos())
         })
     };
-    LitSphere::new(ColorPlanes {
-        r: plane(1.0),
-        g: plane(1.4),
-        b: plane(0.7),
-    })
+    let [r, g, b] = [1.0, 1.4, 0.7].map(plane);
+    LitSphere::new(ColorPlanes { r, g, b })
 }
 
 /// Convex, concave and saddle pixels, silhouettes, uncovered corners; with a picture.
@@ -165,11 +163,8 @@ fn with_layers(mut frame: Frame) -> Frame {
             (false, _) => 0.0,
         }
     }));
-    frame.albedo = Some(ColorPlanes {
-        r: plane(1.0),
-        g: plane(1.3),
-        b: plane(0.6),
-    });
+    let [r, g, b] = [1.0, 1.3, 0.6].map(plane);
+    frame.albedo = Some(ColorPlanes { r, g, b });
     frame.light.occlusion = Some(plane(0.8));
     frame
 }

@@ -1,13 +1,11 @@
 //! Inputs on surfaces: albedo, coverage, invalid numbers, sizes and masks.
 
 use super::super::hostile::HOSTILE;
-use super::super::on_gpu;
+use super::super::{MASKS, assert_same_colors, covered_where, on_gpu};
 use super::{Asked, sky, torus, torus_from_near, with_layers};
-use crate::common::cpu;
-use crate::common::poisoned;
 use relievo::engine::PlanInputs;
 use relievo::engine::gpu::{AdapterKind, Device, DeviceRunner};
-use relievo::frame::{ColorPlanes, Mask, Plane};
+use relievo::frame::{ColorPlanes, Plane};
 use relievo::light::environment::Environment;
 use relievo::params::{AlbedoSource, Material, Method, SampleCount};
 use relievo::scenes::{ExactScene, Surface};
@@ -15,12 +13,8 @@ use relievo::scenes::{ExactScene, Surface};
 #[test]
 fn albedo_alpha_and_occlusion() {
     on_gpu(|runner| {
-        for albedo in [
-            AlbedoSource::Layer,
-            AlbedoSource::Picture,
-            AlbedoSource::Estimate,
-            AlbedoSource::White,
-        ] {
+        use AlbedoSource::{Estimate, Layer, Picture, White};
+        for albedo in [Layer, Picture, Estimate, White] {
             let asked = Asked::of(Material::BlinnPhong, Method::Both);
             let asked = asked.with(|asked| asked.relight.albedo = albedo);
             let mut frame = with_layers(torus());
@@ -43,11 +37,9 @@ fn colors_that_are_no_numbers() {
             })
         };
         let color = frame.color.as_ref().unwrap();
-        let spoiled = ColorPlanes {
-            r: spoiled(&color.r, 0),
-            g: spoiled(&color.g, 0),
-            b: spoiled(&color.b, 3),
-        };
+        let planes = [(&color.r, 0), (&color.g, 0), (&color.b, 3)];
+        let [r, g, b] = planes.map(|(plane, of)| spoiled(plane, of));
+        let spoiled = ColorPlanes { r, g, b };
         frame.albedo = Some(spoiled.clone());
         frame.color = Some(spoiled);
         for (material, albedo) in [
@@ -60,23 +52,9 @@ fn colors_that_are_no_numbers() {
                 asked.relight.toon_levels = Some(4);
                 asked.relight.toon_softness = 1.0;
             });
-            let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::execute(&plan, &frame, PlanInputs::lit_by(&asked.light)).unwrap();
-            let found = runner
-                .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
-                .unwrap();
-            let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap());
-            for (found, expected) in [
-                (found.r, expected.r),
-                (found.g, expected.g),
-                (found.b, expected.b),
-            ] {
-                for (f, e) in found.samples().iter().zip(expected.samples()) {
-                    let same = f == e || f.is_nan() && e.is_nan() || (f - e).abs() < 1e-5 * e.abs();
-                    // Small numbers are remainders of a light of 1.
-                    assert!(same || f.abs().max(e.abs()) < 1e-5, "{f:e}, not {e:e}");
-                }
-            }
+            // Small numbers are remainders of a light of 1.
+            let made = asked.outcomes(runner, &frame);
+            assert_same_colors(&format!("{material:?}, {albedo:?}"), made, 1e-5);
         }
     });
 }
@@ -91,18 +69,10 @@ fn sizes_and_masks() {
             asked.assert_same(&format!("{width}x{height}"), runner, &frame);
         }
         let torus = torus();
-        for (name, covers) in [
-            ("nothing", (|_, _| false) as fn(usize, usize) -> bool),
-            ("one pixel", |x, y| x == 20 && y == 40),
-            ("speckled", |x, y| !(x * 7 + y * 13).is_multiple_of(5)),
-        ] {
-            let mut frame = torus.clone();
-            frame.mask = Mask::new(Plane::from_fn(97, 94, |x, y| {
-                torus.mask.at(x, y) && covers(x, y)
-            }));
-            asked.assert_same(name, runner, &frame);
-            for poison in [f32::NAN, f32::INFINITY] {
-                asked.assert_same(name, runner, &poisoned(&frame, poison));
+        for (name, covers) in MASKS {
+            for poison in [0.0, f32::NAN, f32::INFINITY] {
+                let frame = covered_where(&torus, covers, poison);
+                asked.assert_same(&format!("{name}, {poison}"), runner, &frame);
             }
         }
     });
@@ -121,9 +91,6 @@ fn an_environment_too_large_for_the_device_is_refused() {
     let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);
     let asked = asked.in_environment(blank, SampleCount::Auto);
     let plan = asked.plan(&frame).unwrap();
-    assert!(
-        runner
-            .execute(&plan, &frame, PlanInputs::lit_by(&asked.light))
-            .is_err()
-    );
+    let refused = runner.execute(&plan, &frame, PlanInputs::lit_by(&asked.light));
+    assert!(refused.is_err());
 }
