@@ -7,32 +7,26 @@
 
 mod common;
 
+use common::{Outcome, light_around, light_from};
 use relievo::io::read_environment;
-use relievo::light::lights::Illumination;
 use relievo::params::{Method, RelightParams, SampleCount, ScalingParams, WarpingParams};
-use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 fn main() -> ExitCode {
-    common::exit(run())
+    common::run(|arguments| match arguments {
+        [picture, output, environment @ ..] => cartoon(picture, output, environment.first()),
+        _ => Err("usage: cartoon IN.exr OUT.png [ENVIRONMENT]".into()),
+    })
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [picture, output, environment @ ..] = arguments.as_slice() else {
-        return Err("usage: cartoon IN.exr OUT.png [ENVIRONMENT]".into());
-    };
+fn cartoon(picture: &str, output: &str, environment: Option<&&str>) -> Outcome<()> {
     let frame = common::load(picture, None)?;
-    let natural = Illumination {
-        environment: Some(Arc::new(match environment.first() {
-            Some(path) => read_environment(Path::new(path))?,
-            None => common::room::room(256),
-        })),
-        ..Illumination::default()
-    };
-    let minimal = common::light_from(120.0, 40.0);
+    let natural = light_around(match environment {
+        Some(path) => read_environment(Path::new(path))?,
+        None => common::room::room(256),
+    });
+    let minimal = light_from(120.0, 40.0);
     let mut cells = Vec::new();
     for tones in [None, Some(3)] {
         for light in [&natural, &minimal] {

@@ -15,6 +15,9 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+const USAGE: &str =
+    "usage: codec read FILE CHANNELS [REPEATS] | write FILE COMPRESSION OUTPUT [REPEATS]";
+
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 fn main() -> Outcome<()> {
@@ -25,24 +28,18 @@ fn main() -> Outcome<()> {
         ["read", file, names, repeats] => read(file, names, repeats.parse()?),
         ["write", file, compression, output] => write(file, compression, output, 7),
         ["write", file, compression, output, n] => write(file, compression, output, n.parse()?),
-        _ => Err(
-            "usage: codec read FILE CHANNELS [REPEATS] | write FILE COMPRESSION OUTPUT [REPEATS]"
-                .into(),
-        ),
+        _ => Err(USAGE.into()),
     }
 }
 
 fn read(path: &str, names: &str, repeats: usize) -> Outcome<()> {
     let names: Vec<&str> = names.split(',').collect();
-    best_of(
-        repeats,
-        &format!("read {} channels of {path}", names.len()),
-        || {
-            let file = ExrFile::open(Path::new(path), &Limits::default())?;
-            file.read_channels(&channels(&file, &names)?)?;
-            Ok(())
-        },
-    )
+    let label = format!("read {} channels of {path}", names.len());
+    best_of(repeats, &label, || {
+        let file = ExrFile::open(Path::new(path), &Limits::default())?;
+        file.read_channels(&channels(&file, &names)?)?;
+        Ok(())
+    })
 }
 
 fn write(path: &str, compression: &str, output: &str, repeats: usize) -> Outcome<()> {
@@ -50,14 +47,12 @@ fn write(path: &str, compression: &str, output: &str, repeats: usize) -> Outcome
     let names = ["R", "G", "B", "A"];
     let planes = file.read_channels(&channels(&file, &names)?)?;
     let compression: OutputCompression = compression.parse()?;
-    let channels = names
-        .iter()
-        .zip(&planes)
-        .map(|(&name, plane)| OutputChannel {
-            name: name.into(),
-            plane,
-            sample_type: OutputType::Half,
-        });
+    let channels = names.iter().zip(&planes);
+    let channels = channels.map(|(&name, plane)| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type: OutputType::Half,
+    });
     let part = OutputPart {
         name: "picture".into(),
         data_window: file.parts[0].window,

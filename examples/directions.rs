@@ -5,70 +5,68 @@
 //! `max` and `min` are the fields of the larger and the lesser curvature, made calm; `layer` is the
 //! direction layer, pixel by pixel.
 
-use relievo::engine::{self, Engine, Run};
+mod common;
+
+use common::Outcome;
+use relievo::engine::{Engine, PlanInputs, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
-use relievo::io::{self, Needs, inputs::Inputs};
+use relievo::io::{Needs, inputs::Inputs, load, picture::ViewTransform};
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};
-use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Pixels that a streak reaches to either side.
 const REACH: usize = 12;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from).peekable();
-    let named = arguments.next_if(|a| {
-        ["max", "min", "layer"]
-            .iter()
-            .any(|name| a.as_os_str() == *name)
-    });
-    let which = match named.as_deref().and_then(|name| name.to_str()) {
-        Some("layer") => None,
-        Some("min") => Some(StrokeDirections::Min),
-        _ => Some(StrokeDirections::Max),
-    };
-    let (Some(picture), Some(output)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: directions [max|min|layer] IN.exr OUT.png [NORMALS]".into());
-    };
-    let normal = arguments.next().map(|name| name.display().to_string());
+fn main() -> ExitCode {
+    common::run(|arguments| {
+        let (which, files) = match arguments {
+            ["layer", files @ ..] => (None, files),
+            ["min", files @ ..] => (Some(StrokeDirections::Min), files),
+            ["max", files @ ..] | files => (Some(StrokeDirections::Max), files),
+        };
+        match files {
+            [picture, output, normal @ ..] => show(which, picture, output, normal.first()),
+            _ => Err("usage: directions [max|min|layer] IN.exr OUT.png [NORMALS]".into()),
+        }
+    })
+}
+
+fn show(
+    which: Option<StrokeDirections>,
+    picture: &str,
+    output: &str,
+    normal: Option<&&str>,
+) -> Outcome<()> {
     let inputs = Inputs {
-        picture,
-        normal,
+        picture: picture.into(),
+        normal: normal.map(|name| (*name).into()),
         ..Inputs::default()
     };
     let needs = Needs {
-        color: false,
         projection: true,
         ..Needs::default()
     };
-    let frame = io::load(&inputs, needs)?.frame;
+    let frame = load(&inputs, needs)?.frame;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::LAYERS, Available::in_frame(&frame), shape, scaling)?;
-    let (engine, inputs) = (Engine::cpu(), engine::PlanInputs::default());
+    let (engine, inputs) = (Engine::cpu(), PlanInputs::default());
     let shape = engine.execute(&plan, &frame, inputs, &Run::new())?.shape;
-    let line = which.map(|directions| LineParams {
-        directions,
-        ..LineParams::default()
-    });
-    let fields = line.map(|line| engine.stroke_fields(&plan, &frame, inputs, &line));
-    let fields = fields.transpose()?;
-    let directions = fields
-        .and_then(|mut fields| fields.pop())
-        .or(shape.direction);
+    let directions = match which {
+        None => shape.direction,
+        Some(directions) => {
+            let line = LineParams {
+                directions,
+                ..LineParams::default()
+            };
+            let mut fields = engine.stroke_fields(&plan, &frame, inputs, &line)?;
+            fields.pop()
+        }
+    };
     let directions = directions.ok_or("no directions were made")?;
     let open = shape.conductance.ok_or("no conductance was made")?;
-    let streaks = streaks(&frame, &directions, &open);
-    let color = ColorPlanes {
-        r: streaks.clone(),
-        g: streaks.clone(),
-        b: streaks,
-    };
-    let picture = Picture::of(&color, ViewTransform::None);
-    write_atomically(&output, Replace::IfWritable, |w| {
-        write_picture(w, &output, PictureFormat::Png, &picture)
-    })?;
+    let streaks = ColorPlanes::grey(streaks(&frame, &directions, &open));
+    common::write_as(output, &streaks, ViewTransform::None)?;
     Ok(())
 }
 

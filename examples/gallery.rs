@@ -5,10 +5,9 @@
 
 mod common;
 
-use image::codecs::jpeg::JpegEncoder;
+use common::{Outcome, write_jpeg};
 use image::imageops::{FilterType, overlay};
 use image::{DynamicImage, Rgba, RgbaImage};
-use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
@@ -23,10 +22,10 @@ const SHEET: [&str; 4] = ["engraving.png", "gears.png", "pencil.png", "lines.png
 const CELL: [u32; 2] = [480, 360];
 
 fn main() -> ExitCode {
-    common::exit(run())
+    common::run(|_| make_all())
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
+fn make_all() -> Outcome<()> {
     let page = fs::read_to_string("docs/guide/gallery.md")?;
     let place = tempfile::tempdir()?;
     let [width, height] = CELL;
@@ -60,7 +59,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 }
 
 /// A picture on white: JPEG has no alpha.
-fn on_white(made: &Path) -> Result<DynamicImage, Box<dyn Error>> {
+fn on_white(made: &Path) -> Outcome<DynamicImage> {
     let picture = image::open(made)?;
     let is_color = picture.color().has_color();
     let mut page = RgbaImage::from_pixel(picture.width(), picture.height(), Rgba([255; 4]));
@@ -73,11 +72,9 @@ fn on_white(made: &Path) -> Result<DynamicImage, Box<dyn Error>> {
 }
 
 /// Writes the small copy of a picture for the page.
-fn write_small(page: &DynamicImage, made: &Path) -> Result<(), Box<dyn Error>> {
+fn write_small(page: &DynamicImage, made: &Path) -> Outcome<()> {
     let small = page.resize(SIZE[0], SIZE[1], FilterType::Triangle);
     let name = made.with_extension("jpg");
     let name = name.file_name().ok_or("an output without a name")?;
-    let file = fs::File::create(Path::new("docs/gallery").join(name))?;
-    small.write_with_encoder(JpegEncoder::new_with_quality(file, QUALITY))?;
-    Ok(())
+    write_jpeg(&Path::new("docs/gallery").join(name), &small, QUALITY)
 }

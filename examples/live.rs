@@ -2,14 +2,15 @@
 //!
 //! `cargo run --release -p examples --example live -- render.exr` prints the median and the longest of a few dozen changes.
 
-use relievo::engine::Outcome;
+mod common;
+
+use common::light_from;
 use relievo::engine::{Engine, Request, Run, Session};
 use relievo::frame::Frame;
 use relievo::io::inputs::{Inputs, LightInputs};
 use relievo::io::picture::{Picture, ViewTransform, pixels};
 use relievo::io::{self, Needs};
-use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{Params, RelightParams, Scale, ScalingParams, ShapeParams};
+use relievo::params::{Params, Scale};
 use std::time::Instant;
 
 /// Number of changes of each kind.
@@ -28,65 +29,35 @@ fn main() -> relievo::Result<()> {
         ..Needs::default()
     };
     let frame = io::load(&inputs, needs)?.frame;
-    let window = frame.data_window;
     println!(
         "{} x {}, {} covered, {} threads",
-        window.width(),
-        window.height(),
+        frame.data_window.width(),
+        frame.data_window.height(),
         frame.mask.count(),
         rayon::current_num_threads()
     );
     let has_picture = frame.color.is_some();
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let mut live = Session::new(Engine::cpu(), frame);
-
     timed(&mut live, "a light", |live, i| {
-        let light = lit_from(90.0 + i as f32);
-        let request = Request::relight(
-            Params {
-                relight: RelightParams::default(),
-                ..Params::of(shape, scaling)
-            },
-            &light,
-        );
-        live.run(&request, &Run::new())?;
-        Ok(())
+        let light = light_from(90.0 + i as f32, 40.0);
+        let request = Request::relight(Params::default(), &light);
+        live.run(&request, &Run::new()).map(|_| ())
     })?;
     timed(&mut live, "the scale, in light", |live, i| {
-        let light = lit_from(90.0);
-        let scale = Scale::Iterations(10 + i);
-        let shape = ShapeParams { scale, ..shape };
-        let request = Request::relight(
-            Params {
-                relight: RelightParams::default(),
-                ..Params::of(shape, scaling)
-            },
-            &light,
-        );
-        live.run(&request, &Run::new())?;
-        Ok(())
+        let mut params = Params::default();
+        params.shape.scale = Scale::Iterations(10 + i);
+        let light = light_from(90.0, 40.0);
+        live.run(&Request::relight(params, &light), &Run::new())
+            .map(|_| ())
     })?;
     if has_picture {
         timed(&mut live, "radiance scaling", |live, i| {
-            let scaling = ScalingParams {
-                scaling: 0.5 + 0.05 * i as f32,
-                ..scaling
-            };
-            live.run(&Request::enhance(Params::of(shape, scaling)), &Run::new())?;
-            Ok(())
+            let mut params = Params::default();
+            params.scaling.scaling = 0.5 + 0.05 * i as f32;
+            live.run(&Request::enhance(params), &Run::new()).map(|_| ())
         })?;
     }
     Ok(())
-}
-
-fn lit_from(azimuth: f32) -> Illumination {
-    Illumination {
-        directional: vec![DirectionalLight {
-            to_light: direction_of(azimuth, 40.0),
-            intensity: [1.0; 3],
-        }],
-        ..Illumination::default()
-    }
 }
 
 /// Makes `change` again and again, and pixels of each.
@@ -101,7 +72,11 @@ fn timed(
     for i in 0..CHANGES {
         let start = Instant::now();
         change(live, i)?;
-        let shown = shown(live.outcome(), live.held());
+        let color = live.outcome().color.as_ref().expect("a picture was made");
+        let shown = pixels(&Picture {
+            alpha: live.held().alpha.as_ref(),
+            ..Picture::of(color, ViewTransform::Srgb)
+        });
         seconds.push(start.elapsed().as_secs_f64());
         assert!(!shown.is_empty());
     }
@@ -117,14 +92,4 @@ fn timed(
         ran.join(", ")
     );
     Ok(())
-}
-
-fn shown(outcome: &Outcome, frame: &Frame) -> Vec<[u8; 4]> {
-    pixels(&Picture {
-        alpha: frame.alpha.as_ref(),
-        ..Picture::of(
-            outcome.color.as_ref().expect("a picture was made"),
-            ViewTransform::Srgb,
-        )
-    })
 }

@@ -4,27 +4,27 @@
 
 mod common;
 
+use common::Outcome;
 use relievo::engine::{Engine, Request, Run};
-use relievo::frame::{ColorPlanes, Frame, SpecularScene};
+use relievo::frame::{ColorPlanes, SpecularScene};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
 use relievo::params::{
-    Bend, LineParams, Material, Params, RelightParams, ScalingParams, SearchParams, ShapeParams,
-    SpecularParams, StrokeDirections, StrokeScale,
+    Bend, LineParams, Material, Params, SearchParams, SpecularParams, StrokeDirections, StrokeScale,
 };
 use relievo::plan::{Goal, Tone};
-use std::error::Error;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    common::exit(run())
+    common::run(|arguments| match arguments {
+        [output] => sheet(output),
+        _ => Err("usage: mirror_sheet OUT.png".into()),
+    })
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let output = std::env::args().nth(1);
-    let output = output.ok_or("usage: mirror_sheet OUT.png")?;
+fn sheet(output: &str) -> Outcome<()> {
     let inputs = Inputs {
         picture: "fixtures/mirror.exr".into(),
         ..Inputs::default()
@@ -42,62 +42,35 @@ fn run() -> Result<(), Box<dyn Error>> {
     };
     let scene = load_specular(&mirror, &loaded, None)?;
     let frame = loaded.frame;
-    let rendered = frame.color.clone().ok_or("no picture")?;
-    let pictures = [
-        rendered,
-        relit(&frame, &scene)?,
-        drawn(&frame, None)?,
-        drawn(&frame, Some(&scene))?,
-    ];
-    common::write(&output, &common::grid(&pictures, 2))?;
-    Ok(())
-}
-
-/// Settings for following sight lines.
-fn traced() -> SpecularParams {
-    SpecularParams {
-        bend: Bend::Mirror,
-        search: SearchParams::default(),
-    }
-}
-
-/// The mirror in the light of its surroundings, warped and scaled.
-fn relit(frame: &Frame, scene: &SpecularScene) -> relievo::Result<ColorPlanes> {
-    let mut params = RelightParams::default();
-    params.material.material = Material::Mirror;
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let made = |request: &Request| Engine::cpu().run(request, &frame, &Run::new());
     let light = Illumination::default();
-    let request = Request::relight(
-        Params {
-            relight: params,
-            ..Params::of(shape, scaling)
-        },
-        &light,
-    )
-    .specular(scene, traced());
-    let outcome = Engine::cpu().run(&request, frame, &Run::new())?;
-    Ok(outcome.color.expect("light makes a picture"))
-}
-
-fn drawn(frame: &Frame, scene: Option<&SpecularScene>) -> relievo::Result<ColorPlanes> {
+    let mut params = Params::default();
+    params.relight.material.material = Material::Mirror;
+    let relit = made(&traced(Request::relight(params, &light), &scene))?;
     let mut line = LineParams {
         directions: StrokeDirections::Max,
         interior: None,
         ..LineParams::default()
     };
     line.strokes.scale = StrokeScale::Factor(0.5);
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let mut request = Request::new(
-        Goal::Hatch(Tone::Enhanced, line),
-        Params::of(shape, scaling),
-    );
-    if let Some(scene) = scene {
-        request = request.specular(scene, traced());
-    }
-    let drawing = Engine::cpu().run(&request, frame, &Run::new())?.drawing;
-    let drawing = drawing.expect("a drawing is planned");
-    let layers: Vec<_> = std::iter::once(&drawing.hatching)
-        .chain(&drawing.contours)
-        .collect();
-    Ok(on_paper(&layers))
+    let drawing = Request::new(Goal::Hatch(Tone::Enhanced, line), Params::default());
+    let drawn = |request: &Request| -> relievo::Result<ColorPlanes> {
+        let drawing = made(request)?.drawing.expect("a drawing is planned");
+        Ok(on_paper(&drawing.layers()))
+    };
+    let pictures = [
+        frame.color.clone().ok_or("no picture")?,
+        relit.color.expect("light makes a picture"),
+        drawn(&drawing)?,
+        drawn(&traced(drawing.clone(), &scene))?,
+    ];
+    common::write(output, &common::grid(&pictures, 2))?;
+    Ok(())
+}
+
+/// The request, with sight lines followed.
+fn traced<'a>(request: Request<'a>, scene: &'a SpecularScene) -> Request<'a> {
+    let bend = Bend::Mirror;
+    let search = SearchParams::default();
+    request.specular(scene, SpecularParams { bend, search })
 }

@@ -5,19 +5,17 @@
 //! Beside the angle to the exact normals stand that of central differences of the same heights, and the error of curvature:
 //! that of the divergence of slopes (scale 2), against that of the exact normals, over its root mean square.
 
+use common::{Outcome, write_npy};
 use half::f16;
-use relievo::engine::{Engine, PlanInputs as Given, Run};
-use relievo::frame::{ColorPlanes, Frame, Plane, StoredDepth, Vector3Planes};
+use relievo::engine::{Engine, Request, Run};
+use relievo::frame::{Frame, Plane, StoredDepth, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
-use relievo::params::{ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, Plan};
-use std::path::Path;
+use relievo::params::Params;
+use relievo::scenes::frames::grey;
 use std::process::ExitCode;
 
 mod common;
-
-type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// Pixels at the border and beside steps that do not count.
 const MARGIN: usize = 4;
@@ -77,15 +75,12 @@ const STORAGES: [(&str, Storage); 6] = [
 ];
 
 fn main() -> ExitCode {
-    common::exit(table())
+    common::run(table)
 }
 
-fn table() -> Outcome<()> {
-    let numbers: Vec<usize> = std::env::args()
-        .skip(1)
-        .map(|a| a.parse())
-        .collect::<Result<_, _>>()?;
-    let (side, rounds) = match numbers[..] {
+fn table(arguments: &[&str]) -> Outcome<()> {
+    let numbers = arguments.iter().map(|a| a.parse());
+    let (side, rounds) = match numbers.collect::<Result<Vec<usize>, _>>()?[..] {
         [] => (320, 5),
         [side] => (side, 5),
         [side, rounds] if rounds > 0 => (side, rounds),
@@ -101,13 +96,21 @@ fn table() -> Outcome<()> {
     let path = desk.path().join("heights.npy");
     for (surface, height) in SURFACES {
         for (name, storage) in STORAGES {
-            let scene = Scene::new(side, height);
+            let scene = Scene { side, height };
             let (values, scale) = scene.stored(storage);
-            write_numbers(&path, side, storage, &values)?;
+            let (kind, bytes) = storage.bytes(&values);
+            write_npy(&path, kind, &[side, side], &bytes)?;
+            let inputs = Inputs {
+                picture: path.clone(),
+                depth: Some(path.to_string_lossy().into_owned()),
+                depth_kind: Some(StoredDepth::Height),
+                height_scale: Some(scale as f32),
+                ..Inputs::default()
+            };
             let mut times = Vec::new();
             let mut frame = None;
             for _ in 0..rounds {
-                let loaded = load(&inputs(&path, scale), Needs::default())?;
+                let loaded = load(&inputs, Needs::default())?;
                 times.extend(loaded.normals_made.map(|took| 1e3 * took.as_secs_f64()));
                 frame = Some(loaded.frame);
             }
@@ -126,26 +129,12 @@ fn table() -> Outcome<()> {
     Ok(())
 }
 
-fn inputs(path: &Path, scale: f64) -> Inputs {
-    Inputs {
-        picture: path.into(),
-        depth: Some(path.to_string_lossy().into_owned()),
-        depth_kind: Some(StoredDepth::Height),
-        height_scale: Some(scale as f32),
-        ..Inputs::default()
-    }
-}
-
 struct Scene {
     side: usize,
     height: Surface,
 }
 
 impl Scene {
-    fn new(side: usize, height: Surface) -> Self {
-        Self { side, height }
-    }
-
     fn at(&self, x: usize, y: usize) -> [f64; 3] {
         let from_middle = |i: usize| i as f64 + 0.5 - 0.5 * self.side as f64;
         (self.height)(from_middle(x), from_middle(y))
@@ -248,62 +237,22 @@ impl Scene {
 
 /// The divergence of slopes at scale 2.
 fn trace(frame: &Frame) -> Outcome<Plane> {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    let grey = Plane::filled(width, height, 0.5);
-    let color = ColorPlanes {
-        r: grey.clone(),
-        g: grey.clone(),
-        b: grey,
-    };
     // Depth would tell silhouettes, which the exact normals do not have.
-    let frame = Frame {
-        color: Some(color),
-        ..Frame::of_normals(frame.normal.clone(), frame.mask.clone())
-    };
-    let available = Available::in_frame(&frame);
-    let plan = Plan::new(
-        Goal::Enhance,
-        available,
-        ShapeParams::default(),
-        ScalingParams::default(),
-    )?;
-    let outcome = Engine::cpu().execute(&plan, &frame, Given::default(), &Run::new())?;
+    let frame = Frame::of_normals(frame.normal.clone(), frame.mask.clone());
+    let request = Request::enhance(Params::default());
+    let outcome = Engine::cpu().run(&request, &grey(frame, 0.5), &Run::new())?;
     Ok(outcome.shape.trace.ok_or("enhancing needs the trace")?)
 }
 
-/// Writes a NumPy array of rows and columns.
-fn write_numbers(path: &Path, side: usize, storage: Storage, values: &[f64]) -> Outcome<()> {
-    let (kind, bytes): (&str, Vec<u8>) = match storage {
-        Storage::Float | Storage::Noisy(_) => (
-            "<f4",
-            values
-                .iter()
-                .flat_map(|&v| (v as f32).to_le_bytes())
-                .collect(),
-        ),
-        Storage::Half => (
-            "<f2",
-            values
-                .iter()
-                .flat_map(|&v| f16::from_f64(v).to_le_bytes())
-                .collect(),
-        ),
-        Storage::Codes(255) => ("|u1", values.iter().map(|&v| v as u8).collect()),
-        Storage::Codes(_) => (
-            "<u2",
-            values
-                .iter()
-                .flat_map(|&v| (v as u16).to_le_bytes())
-                .collect(),
-        ),
-    };
-    let header =
-        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({side}, {side}), }}");
-    let header = format!("{header:<117}\n");
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    file.extend((header.len() as u16).to_le_bytes());
-    file.extend(header.bytes());
-    file.extend(bytes);
-    std::fs::write(path, file)?;
-    Ok(())
+impl Storage {
+    /// Values as NumPy stores them, and its name for that.
+    fn bytes(self, values: &[f64]) -> (&'static str, Vec<u8>) {
+        let all = |one: fn(f64) -> Vec<u8>| values.iter().flat_map(|&v| one(v)).collect();
+        match self {
+            Self::Float | Self::Noisy(_) => ("<f4", all(|v| (v as f32).to_le_bytes().into())),
+            Self::Half => ("<f2", all(|v| f16::from_f64(v).to_le_bytes().into())),
+            Self::Codes(255) => ("|u1", all(|v| vec![v as u8])),
+            Self::Codes(_) => ("<u2", all(|v| (v as u16).to_le_bytes().into())),
+        }
+    }
 }

@@ -4,14 +4,11 @@
 
 mod common;
 
-use common::{grid, light_from, load, over_backdrop, relit};
-use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use common::{Outcome, each, grid, light_around, light_from, load, over_backdrop, relit, rgb};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::{read_environment, read_lit_sphere};
 use relievo::light::lights::Illumination;
 use relievo::params::{Material, MaterialParams, Method, RelightParams, ScalingParams};
-use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -22,30 +19,27 @@ const BUST_COLUMNS: std::ops::Range<usize> = 48..432;
 const JPEG_QUALITY: u8 = 85;
 
 fn main() -> ExitCode {
-    common::exit(run())
+    common::run(|arguments| match arguments {
+        [output] => sheet(output),
+        _ => Err("usage: relight_sheet OUT.jpg".into()),
+    })
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let output = std::env::args().nth(1);
-    let output = output.ok_or("usage: relight_sheet OUT.jpg")?;
+fn sheet(output: &str) -> Outcome<()> {
     let normal = Some("fixtures/tablet.normal.png");
-    let tablet = row_of_the_tablet(&load("fixtures/tablet.color.jpg", normal)?)?;
-    let bust = rows_of_the_bust(&load("fixtures/bust.exr", None)?)?;
-    let sheet = above(&grid(&tablet, 6), &grid(&bust, 4));
-    let (width, height) = (sheet.r.width() as u32, sheet.r.height() as u32);
-    let mut file = std::fs::File::create(output)?;
-    let encoder = JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY);
-    encoder.write_image(
-        &common::codes(&sheet),
-        width,
-        height,
-        ExtendedColorType::Rgb8,
-    )?;
-    Ok(())
+    let tablet = rgb(&grid(
+        &tablet(&load("fixtures/tablet.color.jpg", normal)?)?,
+        6,
+    ));
+    let bust = rgb(&grid(&bust(&load("fixtures/bust.exr", None)?)?, 4));
+    let (width, height) = (tablet.width(), tablet.height() + bust.height());
+    let samples = [tablet.into_raw(), bust.into_raw()].concat();
+    let sheet = image::RgbImage::from_raw(width, height, samples).expect("both are as wide");
+    common::write_jpeg(Path::new(output), &sheet.into(), JPEG_QUALITY)
 }
 
 /// The photo, raking light by each method, and specular enhancement.
-fn row_of_the_tablet(frame: &Frame) -> Result<Vec<ColorPlanes>, Box<dyn Error>> {
+fn tablet(frame: &Frame) -> Outcome<Vec<ColorPlanes>> {
     let photo = frame.color.as_ref().ok_or("the photo has no colour")?;
     let mut row = vec![over_backdrop(photo, frame)];
     for method in [Method::Plain, Method::Warp, Method::Scale, Method::Both] {
@@ -58,21 +52,14 @@ fn row_of_the_tablet(frame: &Frame) -> Result<Vec<ColorPlanes>, Box<dyn Error>> 
         shininess: 20.0,
         ..matte()
     };
-    row.push(shown(
-        frame,
-        &light_from(135.0, 45.0),
-        Method::Plain,
-        polished,
-    )?);
+    let light = light_from(135.0, 45.0);
+    row.push(shown(frame, &light, Method::Plain, polished)?);
     Ok(row)
 }
 
 /// An environment, altered and not; materials; lit spheres.
-fn rows_of_the_bust(frame: &Frame) -> Result<Vec<ColorPlanes>, Box<dyn Error>> {
-    let room = Illumination {
-        environment: Some(read_environment(Path::new("fixtures/room.hdr"))?.into()),
-        ..Illumination::default()
-    };
+fn bust(frame: &Frame) -> Outcome<Vec<ColorPlanes>> {
+    let room = light_around(read_environment(Path::new("fixtures/room.hdr"))?);
     let spheres = |paths: &[&str]| -> relievo::Result<Illumination> {
         let spheres = paths.iter().map(|path| read_lit_sphere(Path::new(path)));
         Ok(Illumination {
@@ -104,7 +91,11 @@ fn rows_of_the_bust(frame: &Frame) -> Result<Vec<ColorPlanes>, Box<dyn Error>> {
     ];
     let pictures = cells.into_iter().map(|(light, method, material)| {
         let picture = shown(frame, light, method, material)?;
-        Ok(columns(&picture, BUST_COLUMNS))
+        Ok(each(&picture, |plane| {
+            Plane::from_fn(BUST_COLUMNS.len(), plane.height(), |x, y| {
+                plane.at(BUST_COLUMNS.start + x, y)
+            })
+        }))
     });
     pictures.collect()
 }
@@ -125,29 +116,4 @@ fn shown(
         ..RelightParams::default()
     };
     relit(frame, light, params, ScalingParams::default())
-}
-
-fn columns(picture: &ColorPlanes, columns: std::ops::Range<usize>) -> ColorPlanes {
-    let height = picture.r.height();
-    let cut = |plane: &Plane| {
-        Plane::from_fn(columns.len(), height, |x, y| plane.at(columns.start + x, y))
-    };
-    ColorPlanes {
-        r: cut(&picture.r),
-        g: cut(&picture.g),
-        b: cut(&picture.b),
-    }
-}
-
-/// Two pictures of one width.
-fn above(upper: &ColorPlanes, lower: &ColorPlanes) -> ColorPlanes {
-    let join = |upper: &Plane, lower: &Plane| {
-        let samples = [upper.samples(), lower.samples()].concat();
-        Plane::from_samples(upper.width(), upper.height() + lower.height(), samples)
-    };
-    ColorPlanes {
-        r: join(&upper.r, &lower.r),
-        g: join(&upper.g, &lower.g),
-        b: join(&upper.b, &lower.b),
-    }
 }

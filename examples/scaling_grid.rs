@@ -8,30 +8,28 @@
 
 mod common;
 
+use common::{Outcome, light_from};
 use relievo::params::{Method, RelightParams, ScalingParams};
-use std::error::Error;
 use std::process::ExitCode;
 
-const SCALINGS: [f32; 2] = [1.0, 2.0];
 const INVARIANT_POINTS: [f32; 3] = [0.5, 0.01, 0.99];
 
 fn main() -> ExitCode {
-    common::exit(run())
+    common::run(|arguments| match arguments {
+        [picture, output, normal @ ..] => cells(picture, output, normal.first().copied()),
+        _ => Err("usage: scaling_grid IN OUT.png [NORMALS]".into()),
+    })
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [picture, output, normal @ ..] = arguments.as_slice() else {
-        return Err("usage: scaling_grid IN OUT.png [NORMALS]".into());
-    };
-    let frame = common::load(picture, normal.first().map(String::as_str))?;
-    let light = common::light_from(120.0, 45.0);
+fn cells(picture: &str, output: &str, normal: Option<&str>) -> Outcome<()> {
+    let frame = common::load(picture, normal)?;
+    let light = light_from(120.0, 45.0);
     let relight = RelightParams {
         method: Method::Scale,
         ..RelightParams::default()
     };
     let mut cells = Vec::new();
-    for scaling in SCALINGS {
+    for scaling in [1.0, 2.0] {
         let plain = (0.0, ScalingParams::default().invariant_point);
         let scaled = INVARIANT_POINTS.map(|invariant_point| (scaling, invariant_point));
         for (scaling, invariant_point) in std::iter::once(plain).chain(scaled) {

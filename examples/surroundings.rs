@@ -5,41 +5,34 @@
 
 mod common;
 
+use common::Outcome;
 use glam::Vec3;
 use relievo::frame::{ColorPlanes, Plane};
-use relievo::light::environment::Environment;
-use std::error::Error;
 use std::process::ExitCode;
 
 const ROOM_WIDTH: usize = 256;
 const SPHERE_WIDTH: usize = 128;
 
 fn main() -> ExitCode {
-    common::exit(run())
+    common::run(|arguments| match arguments {
+        [folder] => write_all(folder),
+        _ => Err("usage: surroundings FOLDER".into()),
+    })
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1);
-    let folder = folder.ok_or("usage: surroundings FOLDER")?;
+fn write_all(folder: &str) -> Outcome<()> {
     let in_folder = |name| format!("{folder}/{name}");
     let room = common::room::room(ROOM_WIDTH);
-    common::write(&in_folder("room.hdr"), &map_of(&room))?;
+    let map = planes(room.width(), room.height(), |x, y| room.pixel(x, y).into());
+    common::write(&in_folder("room.hdr"), &map)?;
     common::write(&in_folder("clay.png"), &sphere(clay))?;
     common::write(&in_folder("slate.png"), &sphere(slate))?;
     Ok(())
 }
 
 fn planes(width: usize, height: usize, color: impl Fn(usize, usize) -> Vec3) -> ColorPlanes {
-    let channel = |i| Plane::from_fn(width, height, |x, y| color(x, y)[i]);
-    ColorPlanes {
-        r: channel(0),
-        g: channel(1),
-        b: channel(2),
-    }
-}
-
-fn map_of(room: &Environment) -> ColorPlanes {
-    planes(room.width(), room.height(), |x, y| room.pixel(x, y).into())
+    let [r, g, b] = [0, 1, 2].map(|i| Plane::from_fn(width, height, |x, y| color(x, y)[i]));
+    ColorPlanes { r, g, b }
 }
 
 /// A picture of a ball that touches its borders, with the colour `shade` of each normal. The rim is extended around the
