@@ -4,58 +4,35 @@
 //! `cargo run --release -p examples --example pathtrace -- --help`; the integration is in `enhancement.rs` and `path.rs` beside
 //! this file.
 
-#[path = "pathtrace/camera.rs"]
-mod camera;
 mod common;
-#[cfg(test)]
-#[path = "pathtrace/energy_tests.rs"]
-mod energy_tests;
-#[path = "pathtrace/enhancement.rs"]
-mod enhancement;
-#[path = "pathtrace/geometry.rs"]
-mod geometry;
-#[path = "pathtrace/light.rs"]
-mod light;
-#[path = "pathtrace/material.rs"]
-mod material;
-#[path = "pathtrace/mesh.rs"]
-mod mesh;
-#[path = "pathtrace/mesh_curvature.rs"]
-mod mesh_curvature;
-#[path = "pathtrace/path.rs"]
-mod path;
-#[path = "pathtrace/render.rs"]
-mod render;
-#[path = "pathtrace/sampler.rs"]
-mod sampler;
-#[path = "pathtrace/scene.rs"]
-mod scene;
-#[path = "pathtrace/sheet.rs"]
-mod sheet;
-#[path = "pathtrace/stage.rs"]
-mod stage;
-#[path = "pathtrace/tree.rs"]
-mod tree;
-#[path = "pathtrace/urn.rs"]
-mod urn;
-#[cfg(test)]
-#[path = "pathtrace/warp_tests.rs"]
-mod warp_tests;
+mod pathtrace {
+    #[cfg(test)]
+    mod energy_tests;
+    pub(crate) mod enhancement;
+    mod geometry;
+    mod light;
+    mod material;
+    mod mesh;
+    pub(crate) mod path;
+    pub(crate) mod render;
+    mod sampler;
+    mod scene;
+    pub(crate) mod sheet;
+    pub(crate) mod stage;
+    mod urn;
+    #[cfg(test)]
+    mod warp_tests;
+}
 
 use clap::{Parser, Subcommand};
-use enhancement::{Bounces, Enhancement};
-use glam::Vec3;
-use mesh::Mesh;
-use path::{Direct, Tracing};
-use relievo::frame::{ColorPlanes, Plane};
-use render::Job;
-use stage::Setting;
+use pathtrace::enhancement::{Bounces, Enhancement};
+use pathtrace::path::{Direct, Tracing};
+use pathtrace::render::Job;
+use pathtrace::sheet::write_sheet;
+use pathtrace::stage::{self, Setting};
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-
-/// Columns and rows of the urn by default: about two to a pixel of the pictures.
-const URN: [usize; 2] = [1100, 800];
 
 /// A small path tracer that warps and scales light on its way.
 #[derive(Debug, Parser)]
@@ -110,22 +87,14 @@ struct RenderArguments {
 }
 
 fn main() -> ExitCode {
-    common::exit(run(Arguments::parse()))
-}
-
-fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
-    match arguments.command {
+    common::exit(match Arguments::parse().command {
         Command::Render(arguments) => render(&arguments),
         Command::Sheet {
             output,
             samples,
             width,
-        } => sheet::write_sheet(&output, samples, width as usize),
-    }
-}
-
-fn the_urn() -> Mesh {
-    urn::urn(URN[0], URN[1])
+        } => write_sheet(&output, samples, width as usize),
+    })
 }
 
 fn render(arguments: &RenderArguments) -> Result<(), Box<dyn Error>> {
@@ -134,7 +103,7 @@ fn render(arguments: &RenderArguments) -> Result<(), Box<dyn Error>> {
     }
     let size = [arguments.size[0], arguments.size[1]].map(|side| side as usize);
     let job = Job {
-        scene: &stage::scene(arguments.setting, the_urn()),
+        scene: &stage::scene(arguments.setting),
         camera: stage::camera(arguments.setting, size),
         tracing: Tracing {
             enhancement: Enhancement {
@@ -144,27 +113,12 @@ fn render(arguments: &RenderArguments) -> Result<(), Box<dyn Error>> {
                 ..Enhancement::default()
             },
             direct: arguments.direct,
-            max_bounces: MAX_BOUNCES,
+            ..Tracing::default()
         },
         samples: arguments.samples,
         seed: 1,
     };
-    let picture = planes(&job.pixels(), size);
-    Ok(common::write(
-        &arguments.output.to_string_lossy(),
-        &picture,
-    )?)
+    let picture = job.picture(|light| light);
+    common::write(&arguments.output.to_string_lossy(), &picture)?;
+    Ok(())
 }
-
-/// The light of pixels as planes.
-fn planes(light: &[Vec3], [width, height]: [usize; 2]) -> ColorPlanes {
-    let channel = |c: usize| Plane::from_fn(width, height, |x, y| light[y * width + x][c]);
-    ColorPlanes {
-        r: channel(0),
-        g: channel(1),
-        b: channel(2),
-    }
-}
-
-/// Surfaces that a path of the pictures may meet.
-const MAX_BOUNCES: usize = 12;

@@ -10,7 +10,7 @@ use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, pixels, write_picture};
-use relievo::io::{self, Needs, inputs::Inputs, srgb};
+use relievo::io::{self, Needs, inputs::Inputs};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{Params, RelightParams, ScalingParams};
@@ -142,16 +142,6 @@ pub(crate) fn write_as(
 }
 
 /// Red, green and blue, sRGB-encoded in 8 bits.
-pub(crate) fn codes(color: &ColorPlanes) -> Vec<u8> {
-    let code = |v: f32| (srgb::encoded(f64::from(v).clamp(0.0, 1.0)) * 255.0).round() as u8;
-    let channels = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
-    let pixels = 0..channels[0].len();
-    pixels
-        .flat_map(|i| channels.map(|channel| code(channel[i])))
-        .collect()
-}
-
-/// The same as a picture.
 pub(crate) fn rgb(color: &ColorPlanes) -> RgbImage {
     let (width, height) = (color.r.width() as u32, color.r.height() as u32);
     let samples = pixels(&Picture::of(color, ViewTransform::Srgb)).concat();

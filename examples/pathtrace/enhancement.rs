@@ -171,7 +171,7 @@ impl Scale {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh_curvature::outer;
+    use crate::pathtrace::mesh::outer;
 
     #[test]
     fn a_ball_is_convex_however_it_is_seen() {

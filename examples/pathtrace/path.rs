@@ -34,6 +34,16 @@ pub(crate) struct Tracing {
     pub(crate) max_bounces: usize,
 }
 
+impl Default for Tracing {
+    fn default() -> Self {
+        Self {
+            enhancement: Enhancement::default(),
+            direct: Direct::Both,
+            max_bounces: 12,
+        }
+    }
+}
+
 /// Bounces that no path is ended before.
 const CERTAIN_BOUNCES: usize = 3;
 
@@ -84,6 +94,12 @@ impl<'a> Vertex<'a> {
         }
     }
 
+    /// Solid-angle density of that direction under [`Vertex::bounce`], without a warp.
+    fn density(&self, to_light: Vec3) -> f32 {
+        let material = &self.point.object.material;
+        material.density(&self.directions(to_light))
+    }
+
     /// Whether light from there can reach the outer side of the triangle.
     fn is_above(&self, to_light: Vec3) -> bool {
         self.point.face_normal.dot(to_light) > 0.0
@@ -121,15 +137,7 @@ impl<'a> Vertex<'a> {
         open.then(|| Found {
             light: lobes.map(|lobe| lobe * light.radiance / light.density),
             jacobian,
-            densities: [
-                light.density,
-                jacobian
-                    * self
-                        .point
-                        .object
-                        .material
-                        .density(&self.directions(to_light)),
-            ],
+            densities: [light.density, jacobian * self.density(to_light)],
         })
     }
 
@@ -149,7 +157,7 @@ impl<'a> Vertex<'a> {
             }
             None => (to_light, 1.0),
         };
-        let density = material.density(&self.directions(to_light));
+        let density = self.density(to_light);
         let goes_on = self.is_above(source) && density > 0.0;
         let weight = self.reflected(to_light, source).map(|lobe| lobe / density);
         (goes_on && (weight[0] + weight[1]).max_element() > 0.0).then_some(Bounce {

@@ -1,12 +1,15 @@
 //! Objects, their materials, and the light on them.
 
-use super::geometry::{Form, Hit, Ray, Shape};
-use super::light::{AreaLight, Lights};
+use super::geometry::{Form, Ray, Shape};
+use super::light::{AreaLight, Lights, Surroundings};
 use super::material::Material;
-use super::mesh::Mesh;
-use super::mesh_curvature::outer;
-use super::tree::Tree;
+use super::mesh::{Mesh, outer};
 use glam::{Mat3, Vec3};
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{BvhBuildParams, ray};
+use relievo::light::environment::Environment;
+use std::time::Duration;
 
 /// Offset from the surface of rays that leave it, as a share of the point's coordinates.
 const CLEARANCE: f32 = 1e-4;
@@ -25,7 +28,9 @@ pub(crate) struct Object {
 pub(crate) struct Scene {
     objects: Vec<Object>,
     pub(crate) lights: Lights,
-    tree: Tree,
+    tree: Bvh2,
+    /// In the order of the tree.
+    shapes: Vec<Shape>,
 }
 
 /// A point on a surface, seen from outside it or from inside.
@@ -52,101 +57,96 @@ pub(crate) struct SceneBuilder {
 }
 
 impl SceneBuilder {
-    pub(crate) fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
-        let object = self.objects.len();
-        let shapes = mesh.forms().map(|form| Shape::new(form, object));
-        self.shapes.extend(shapes);
-        self.object(material, Vec3::ZERO, Some(mesh), None)
+    pub(crate) fn mesh(self, mesh: Mesh, material: Material) -> Self {
+        let forms: Vec<Form> = mesh.forms().collect();
+        self.object(&forms, material, Some(mesh))
     }
 
     pub(crate) fn sphere(self, center: Vec3, radius: f32, material: Material) -> Self {
-        self.shining_sphere(center, radius, material, Vec3::ZERO)
-    }
-
-    pub(crate) fn shining_sphere(
-        mut self,
-        center: Vec3,
-        radius: f32,
-        material: Material,
-        emission: Vec3,
-    ) -> Self {
-        let form = Form::Sphere { center, radius };
-        self.shapes.push(Shape::new(form, self.objects.len()));
-        self.object(material, emission, None, None)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn rectangle(
-        mut self,
-        corner: Vec3,
-        sides: [Vec3; 2],
-        material: Material,
-        emission: Vec3,
-    ) -> Self {
-        let form = Form::Rectangle { corner, sides };
-        self.shapes.push(Shape::new(form, self.objects.len()));
-        self.object(material, emission, None, None)
+        self.object(&[Form::Sphere { center, radius }], material, None)
     }
 
     pub(crate) fn area_light(mut self, light: AreaLight) -> Self {
-        let form = Form::Rectangle {
-            corner: light.corner,
-            sides: light.sides,
-        };
-        self.shapes.push(Shape::new(form, self.objects.len()));
         self.lights.areas.push(light);
-        let which = self.lights.areas.len() - 1;
-        self.object(Material::Matte(Vec3::ZERO), Vec3::ZERO, None, Some(which))
+        let mesh = Mesh::rectangle(light.corner, light.sides);
+        let mut builder = self.mesh(mesh, Material::Matte(Vec3::ZERO));
+        let which = builder.lights.areas.len() - 1;
+        builder.objects.last_mut().expect("its own").area_light = Some(which);
+        builder
     }
 
-    pub(crate) fn surroundings(mut self, light: relievo::light::environment::Environment) -> Self {
-        self.lights.surroundings = super::light::Surroundings::new(light);
+    pub(crate) fn surroundings(mut self, light: Environment) -> Self {
+        self.lights.surroundings = Surroundings::new(light);
         self
     }
 
-    fn object(
-        mut self,
-        material: Material,
-        emission: Vec3,
-        mesh: Option<Mesh>,
-        area_light: Option<usize>,
-    ) -> Self {
+    fn object(mut self, forms: &[Form], material: Material, mesh: Option<Mesh>) -> Self {
+        let object = self.objects.len();
+        let shapes = forms.iter().map(|&form| Shape { form, object });
+        self.shapes.extend(shapes);
         self.objects.push(Object {
             material,
-            emission,
+            emission: Vec3::ZERO,
             mesh,
-            area_light,
+            area_light: None,
         });
         self
     }
 
+    /// Lets the last object emit light.
+    #[cfg(test)]
+    pub(crate) fn shining(mut self, emission: Vec3) -> Self {
+        self.objects.last_mut().expect("an object").emission = emission;
+        self
+    }
+
     pub(crate) fn build(self) -> Scene {
+        let mut took = Duration::ZERO;
+        let tree = build_bvh2(&self.shapes, BvhBuildParams::fast_build(), &mut took);
+        let in_order = tree.primitive_indices.iter();
         Scene {
+            shapes: in_order.map(|&i| self.shapes[i as usize]).collect(),
             objects: self.objects,
             lights: self.lights,
-            tree: Tree::new(self.shapes),
+            tree,
         }
     }
 }
 
+/// The ray as the tree takes it, up to `distance`.
+fn bounded(ray: &Ray, distance: f32) -> ray::Ray {
+    ray::Ray::new(ray.origin.into(), ray.direction.into(), 0.0, distance)
+}
+
 impl Scene {
-    /// The first surface that a ray meets.
+    /// The first surface that a ray meets, and how far away it is.
     #[inline]
     pub(crate) fn met(&self, ray: &Ray) -> Option<(Point<'_>, f32)> {
-        let hit = self.tree.nearest(ray)?;
-        Some((self.point(ray, &hit), hit.distance))
+        let mut hit = ray::RayHit::none();
+        let whole = bounded(ray, f32::INFINITY);
+        let along = |_: &ray::Ray, shape| self.distance(ray, shape);
+        self.tree.ray_traverse(whole, &mut hit, along);
+        let shape = self.shapes.get(hit.primitive_id as usize)?;
+        let (distance, uv) = shape.form.met(ray)?;
+        Some((self.point(ray, shape, distance, uv), distance))
     }
 
     /// Whether the ray is unobstructed up to `distance`.
     #[inline]
     pub(crate) fn is_open(&self, ray: &Ray, distance: f32) -> bool {
-        !self.tree.is_blocked(ray, distance * (1.0 - CLEARANCE))
+        let part = bounded(ray, distance * (1.0 - CLEARANCE));
+        let along = |_: &ray::Ray, shape| self.distance(ray, shape);
+        self.tree.ray_traverse_miss(part, along)
     }
 
-    fn point(&self, ray: &Ray, hit: &Hit) -> Point<'_> {
-        let shape = self.tree.shape(hit);
-        let object = &self.objects[shape.object as usize];
-        let mut position = ray.at(hit.distance);
+    fn distance(&self, ray: &Ray, shape: usize) -> f32 {
+        let met = self.shapes[shape].form.met(ray);
+        met.map_or(f32::INFINITY, |(distance, _)| distance)
+    }
+
+    fn point(&self, ray: &Ray, shape: &Shape, distance: f32, uv: [f32; 2]) -> Point<'_> {
+        let object = &self.objects[shape.object];
+        let mut position = ray.origin + distance * ray.direction;
         let (face_normal, normal, turn) = match shape.form {
             Form::Sphere { center, radius } => {
                 let normal = (position - center).normalize();
@@ -156,18 +156,9 @@ impl Scene {
                 (normal, normal, tangents * (1.0 / radius))
             }
             Form::Triangle { sides, face, .. } => {
-                let face_normal = sides[0].cross(sides[1]).normalize();
-                match &object.mesh {
-                    Some(mesh) => {
-                        let (normal, turn) = mesh.at(face, hit.uv);
-                        (face_normal, normal, turn)
-                    }
-                    None => (face_normal, face_normal, Mat3::ZERO),
-                }
-            }
-            Form::Rectangle { sides, .. } => {
-                let normal = sides[0].cross(sides[1]).normalize();
-                (normal, normal, Mat3::ZERO)
+                let mesh = object.mesh.as_ref().expect("triangles are of a mesh");
+                let (normal, turn) = mesh.at(face, uv);
+                (sides[0].cross(sides[1]).normalize(), normal, turn)
             }
         };
         let inside = face_normal.dot(ray.direction) > 0.0;

@@ -1,16 +1,12 @@
 //! The pictures of the guide: figures 9 of [LW], 10 and 11 of [RS], of our own things.
 
-use super::common::{codes, write};
 use super::enhancement::{Bounces, Enhancement};
-use super::path::{Direct, Tracing};
+use super::path::Tracing;
 use super::render::Job;
-use super::scene::Scene;
 use super::stage::{self, Setting};
-use super::{MAX_BOUNCES, planes, the_urn};
+use crate::common::{is_jpeg, rgb, write_jpeg};
 use glam::Vec3;
-use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageEncoder};
-use relievo::frame::{ColorPlanes, Plane};
+use image::{Rgb, RgbImage, imageops};
 use std::error::Error;
 use std::path::Path;
 
@@ -19,92 +15,65 @@ const GAP: usize = 6;
 
 const JPEG_QUALITY: u8 = 82;
 
-/// A picture of the sheet.
-type Picture = ColorPlanes;
-
 /// Renders all of them and writes one JPEG.
 pub(crate) fn write_sheet(output: &Path, samples: u32, width: usize) -> Result<(), Box<dyn Error>> {
     // Check the output before an hour of rendering.
     relievo::io::output::check_writable(output, relievo::io::output::Replace::IfWritable)?;
-    let warped = (Bounces::First, Bounces::None);
-    let scaled = |bounces| (Bounces::None, bounces);
-    let plain = scaled(Bounces::None);
-    let first = [
-        (Setting::Clay, vec![plain, warped]),
-        (Setting::Glazed, vec![plain, warped]),
-    ];
-    // Widths are such that all rows are as wide.
+    let [none, first, all] = [Bounces::None, Bounces::First, Bounces::All];
+    let (plain, warped, scaled) = ((none, none), (first, none), (none, first));
+    // Widths are such that all rows are as wide. Light that mirrors throw on other things is met by chance alone.
     let whole = 4 * width + 3 * GAP;
-    let narrow = [width, width * 5 / 4];
-    let third = [(whole - 2 * GAP) / 3, width * 5 / 4];
-    let half = [(whole - GAP) / 2, width * 5 / 4];
-    let mut row_of_figure_9 = Vec::new();
-    for (setting, kinds) in first {
-        row_of_figure_9.extend(pictures(setting, &kinds, narrow, samples));
+    let (third, half) = ((whole - 2 * GAP) / 3, (whole - GAP) / 2);
+    type Cells<'a> = (usize, u32, &'a [(Setting, &'a [(Bounces, Bounces)])]);
+    let rows: [Cells; 3] = [
+        (
+            width,
+            samples,
+            &[
+                (Setting::Clay, &[plain, warped]),
+                (Setting::Glazed, &[plain, warped]),
+            ],
+        ),
+        (
+            third,
+            2 * samples,
+            &[(Setting::Mirrors, &[plain, scaled, (none, all)])],
+        ),
+        (half, samples, &[(Setting::Lamp, &[plain, scaled])]),
+    ];
+    let height = width * 5 / 4;
+    let size = [whole, 3 * height + 2 * GAP].map(|side| side as u32);
+    let mut sheet = RgbImage::from_pixel(size[0], size[1], Rgb([255; 3]));
+    for (row, (width, samples, scenes)) in rows.into_iter().enumerate() {
+        let mut left = 0;
+        for &(setting, kinds) in scenes {
+            let scene = stage::scene(setting);
+            for &(warp, scale) in kinds {
+                let job = Job {
+                    scene: &scene,
+                    camera: stage::camera(setting, [width, height]),
+                    tracing: Tracing {
+                        enhancement: Enhancement {
+                            warp,
+                            scale,
+                            ..Enhancement::default()
+                        },
+                        ..Tracing::default()
+                    },
+                    samples,
+                    seed: 1,
+                };
+                let top = row * (height + GAP);
+                let picture = rgb(&job.picture(shown));
+                imageops::replace(&mut sheet, &picture, left as i64, top as i64);
+                left += width + GAP;
+            }
+        }
     }
-    let all = [Bounces::None, Bounces::First, Bounces::All].map(scaled);
-    // Light that mirrors throw on other things is met by chance alone.
-    let row_of_figure_10 = pictures(Setting::Mirrors, &all, third, 2 * samples);
-    let row_of_figure_11 = pictures(
-        Setting::Lamp,
-        &[plain, scaled(Bounces::First)],
-        half,
-        samples,
-    );
-    let sheet = column(
-        &[row_of_figure_9, row_of_figure_10, row_of_figure_11],
-        whole,
-    );
-    let is_jpeg = ["jpg", "jpeg"].map(|known| output.extension().is_some_and(|e| e == known));
-    if !is_jpeg.contains(&true) {
-        return Ok(write(&output.to_string_lossy(), &sheet)?);
+    match is_jpeg(output) {
+        true => write_jpeg(output, &sheet.into(), JPEG_QUALITY),
+        false => Ok(sheet.save(output)?),
     }
-    let (width, height) = (sheet.r.width() as u32, sheet.r.height() as u32);
-    let mut file = std::fs::File::create(output)?;
-    let encoder = JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY);
-    encoder.write_image(&codes(&sheet), width, height, ExtendedColorType::Rgb8)?;
-    Ok(())
-}
-
-/// One scene rendered with warping and scaling at various bounces.
-fn pictures(
-    setting: Setting,
-    kinds: &[(Bounces, Bounces)],
-    size: [usize; 2],
-    samples: u32,
-) -> Vec<Picture> {
-    let scene = stage::scene(setting, the_urn());
-    let kinds = kinds.iter();
-    kinds
-        .map(|&(warp, scale)| picture(&scene, setting, size, samples, warp, scale))
-        .collect()
-}
-
-fn picture(
-    scene: &Scene,
-    setting: Setting,
-    size: [usize; 2],
-    samples: u32,
-    warp: Bounces,
-    scale: Bounces,
-) -> Picture {
-    let job = Job {
-        scene,
-        camera: stage::camera(setting, size),
-        tracing: Tracing {
-            enhancement: Enhancement {
-                warp,
-                scale,
-                ..Enhancement::default()
-            },
-            direct: Direct::Both,
-            max_bounces: MAX_BOUNCES,
-        },
-        samples,
-        seed: 1,
-    };
-    let shown: Vec<Vec3> = job.pixels().into_iter().map(shown).collect();
-    planes(&shown, size)
 }
 
 /// Value from which highlights are compressed.
@@ -116,26 +85,4 @@ fn shown(light: Vec3) -> Vec3 {
         let above = (v - SHOULDER).max(0.0) / (1.0 - SHOULDER);
         v.min(SHOULDER) + (1.0 - SHOULDER) * (1.0 - (-above).exp())
     })
-}
-
-/// Rows of pictures below one another, white between.
-fn column(rows: &[Vec<Picture>], width: usize) -> Picture {
-    let gaps = GAP * (rows.len() - 1);
-    let height = rows.iter().map(|row| row[0].r.height()).sum::<usize>() + gaps;
-    let mut sheet = [0; 3].map(|_| Plane::filled(width, height, 1.0));
-    let mut top = 0;
-    for row in rows {
-        let mut left = 0;
-        for picture in row {
-            for (to, from) in sheet.iter_mut().zip([&picture.r, &picture.g, &picture.b]) {
-                for y in 0..from.height() {
-                    to.row_mut(top + y)[left..left + from.width()].copy_from_slice(from.row(y));
-                }
-            }
-            left += picture.r.width() + GAP;
-        }
-        top += row[0].r.height() + GAP;
-    }
-    let [r, g, b] = sheet;
-    ColorPlanes { r, g, b }
 }

@@ -1,17 +1,21 @@
 //! The scenes of the pictures: a photographer's table, and things on it.
 
-use super::camera::Camera;
-use super::common::room::room;
 use super::light::AreaLight;
 use super::material::{Glossy, Material};
 use super::mesh::Mesh;
+use super::render::Camera;
 use super::scene::{Scene, SceneBuilder};
+use super::urn::urn;
+use crate::common::room::room;
 use glam::Vec3;
 use relievo::light::environment::Environment;
 use std::f32::consts::FRAC_PI_2;
 
 /// Columns of the room that lights the table.
 const ROOM_WIDTH: usize = 512;
+
+/// Columns and rows of the urn: about two to a pixel of the pictures.
+const URN: [usize; 2] = [1100, 800];
 
 /// A thing on the table, and who lights it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -26,68 +30,47 @@ pub(crate) enum Setting {
     Lamp,
 }
 
-/// The scene with `thing` on the table.
-pub(crate) fn scene(setting: Setting, thing: Mesh) -> Scene {
-    let clay = Vec3::new(0.62, 0.36, 0.25);
-    let builder = SceneBuilder::default();
-    let builder = match setting {
-        Setting::Clay => builder
-            .mesh(thing, Material::Matte(clay))
-            .surroundings(room(ROOM_WIDTH)),
-        Setting::Glazed => {
-            let glaze = Glossy::new(Vec3::new(0.10, 0.26, 0.24), 60.0, 0.09);
-            builder
-                .mesh(thing, Material::Glossy(glaze))
-                .surroundings(room(ROOM_WIDTH))
-        }
-        Setting::Mirrors => {
-            let bronze = Glossy::new(Vec3::new(0.42, 0.24, 0.11), 40.0, 0.12);
-            let ball = Material::Mirror(Vec3::splat(0.93));
-            builder
-                .mesh(thing, Material::Glossy(bronze))
-                .mesh(standing_mirror(), Material::Mirror(Vec3::splat(0.9)))
-                .sphere(Vec3::new(-0.62, 0.28, 1.1), 0.28, ball)
-                .surroundings(room(ROOM_WIDTH))
-        }
-        Setting::Lamp => builder
-            .mesh(thing, Material::Matte(Vec3::new(0.78, 0.75, 0.70)))
-            .area_light(lamp(Vec3::new(-3.0, 3.3, 1.9), Vec3::Y))
-            .surroundings(Environment::from_fn(1, 1, |_, _| [0.07, 0.09, 0.12])),
+/// The scene: an urn on the table.
+pub(crate) fn scene(setting: Setting) -> Scene {
+    let glossy = |albedo: [f32; 3], exponent, reflectance| {
+        Material::Glossy(Glossy::new(albedo.into(), exponent, reflectance))
     };
-    builder
-        .mesh(table(), Material::Matte(table_color(setting)))
-        .build()
-}
-
-fn table_color(setting: Setting) -> Vec3 {
-    match setting {
-        Setting::Lamp => Vec3::new(0.55, 0.54, 0.52),
-        _ => Vec3::new(0.34, 0.33, 0.32),
+    let material = match setting {
+        Setting::Clay => Material::Matte(Vec3::new(0.62, 0.36, 0.25)),
+        Setting::Glazed => glossy([0.10, 0.26, 0.24], 60.0, 0.09),
+        Setting::Mirrors => glossy([0.42, 0.24, 0.11], 40.0, 0.12),
+        Setting::Lamp => Material::Matte(Vec3::new(0.78, 0.75, 0.70)),
+    };
+    let mut builder = SceneBuilder::default().mesh(urn(URN[0], URN[1]), material);
+    if setting == Setting::Mirrors {
+        let ball = Material::Mirror(Vec3::splat(0.93));
+        builder = builder
+            .mesh(standing_mirror(), Material::Mirror(Vec3::splat(0.9)))
+            .sphere(Vec3::new(-0.62, 0.28, 1.1), 0.28, ball);
     }
+    let (builder, table_color) = match setting {
+        Setting::Lamp => {
+            let dim = Environment::from_fn(1, 1, |_, _| [0.07, 0.09, 0.12]);
+            let lamp = lamp(Vec3::new(-3.0, 3.3, 1.9), Vec3::Y);
+            let builder = builder.area_light(lamp).surroundings(dim);
+            (builder, Vec3::new(0.55, 0.54, 0.52))
+        }
+        _ => (
+            builder.surroundings(room(ROOM_WIDTH)),
+            Vec3::new(0.34, 0.33, 0.32),
+        ),
+    };
+    builder.mesh(table(), Material::Matte(table_color)).build()
 }
 
 /// The camera of a scene.
 pub(crate) fn camera(setting: Setting, size: [usize; 2]) -> Camera {
-    match setting {
-        Setting::Clay | Setting::Glazed => Camera::new(
-            Vec3::new(0.0, 2.2, 6.4),
-            Vec3::new(0.0, 0.98, 0.0),
-            21.0,
-            size,
-        ),
-        Setting::Mirrors => Camera::new(
-            Vec3::new(-0.2, 2.1, 6.8),
-            Vec3::new(0.36, 0.93, 0.0),
-            22.5,
-            size,
-        ),
-        Setting::Lamp => Camera::new(
-            Vec3::new(0.0, 2.7, 6.4),
-            Vec3::new(0.45, 0.86, 0.0),
-            21.5,
-            size,
-        ),
-    }
+    let (eye, target, height_deg): ([f32; 3], [f32; 3], _) = match setting {
+        Setting::Clay | Setting::Glazed => ([0.0, 2.2, 6.4], [0.0, 0.98, 0.0], 21.0),
+        Setting::Mirrors => ([-0.2, 2.1, 6.8], [0.36, 0.93, 0.0], 22.5),
+        Setting::Lamp => ([0.0, 2.7, 6.4], [0.45, 0.86, 0.0], 21.5),
+    };
+    Camera::new(eye.into(), target.into(), height_deg, size)
 }
 
 /// A square lamp, 1.1 wide, that faces `target`.
@@ -126,29 +109,4 @@ fn table() -> Mesh {
         .into_iter()
         .flat_map(|[z, y]| [-half_width, half_width].map(|x| Vec3::new(x, y, z)));
     Mesh::grid(points.collect(), 2, false)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::Ray;
-
-    #[test]
-    fn the_table_faces_up_and_forward() {
-        let scene = SceneBuilder::default()
-            .mesh(table(), Material::Matte(Vec3::ONE))
-            .build();
-        for (direction, normal) in [(Vec3::NEG_Y, Vec3::Y), (Vec3::NEG_Z, Vec3::Z)] {
-            let ray = Ray {
-                origin: Vec3::new(0.3, 4.0, 1.0),
-                direction,
-            };
-            let (point, _) = scene.met(&ray).expect("the table is wide");
-            assert!(
-                !point.inside && point.normal.dot(normal) > 0.999,
-                "{}",
-                point.normal
-            );
-        }
-    }
 }

@@ -1,12 +1,12 @@
 //! Both equations of light warping are one integral.
 
-use crate::enhancement::{Bounces, Enhancement, ViewWarp};
-use crate::geometry::Ray;
-use crate::light::AreaLight;
-use crate::material::{Glossy, Material, PerLobe};
-use crate::path::{Direct, Tracing, Vertex, light_along};
-use crate::sampler::Sampler;
-use crate::scene::{Scene, SceneBuilder};
+use super::enhancement::{Bounces, Enhancement, ViewWarp};
+use super::geometry::Ray;
+use super::light::AreaLight;
+use super::material::{Glossy, Material, PerLobe};
+use super::path::{Direct, Tracing, Vertex, light_along};
+use super::sampler::Sampler;
+use super::scene::{Scene, SceneBuilder};
 use glam::{Mat3, Vec3};
 use relievo::light::environment::Environment;
 
