@@ -1,6 +1,6 @@
 //! Error and run time of shape, light and drawings, on known surfaces: one table.
 //!
-//! `cargo run --release -p examples --example measure -- [mirrors|strokes|warping|WIDTH Scene::HEIGHT [ROUNDS]]`
+//! `cargo run --release -p examples --example measure -- [mirrors|strokes|warping|WIDTH HEIGHT [ROUNDS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N diffusion steps is
 //! `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is also known. Light is compared with double
@@ -17,56 +17,51 @@
 //! and `median_s`. What it leaves in `{dir}/out_gs.npy`, the gradient after 50 explicit steps of 1/4 with a margin all
 //! around, is compared too.
 
+use common::{Outcome as Outcomes, light_around, write_npy};
 use glam::DVec2;
+use rayon::prelude::*;
 use relievo::engine::{Engine, Outcome, PlanInputs, Request, Run};
-use relievo::frame::{
-    ColorPlanes, Frame, Mask, Plane, SpecularScene, SymmetricPlanes, Vector2Planes,
-};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SpecularScene, Vector2Planes};
+use relievo::light::environment::Environment;
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
     Adaptive, LineParams, Material, Method, Params, RelightParams, SampleCount, Scale,
-    ScalingParams, ShapeParams, Solver, SpecularParams, StrokeDirections, StrokeParams,
-    StrokeScale, Style, ToneParams,
+    ScalingParams, ShapeParams, Solver, SpecularParams, StrokeDirections, StrokeScale, Style,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
+use relievo::scenes::frames::{grey, masked};
 use relievo::scenes::light_reference::{
     Pixel, Settings, irradiance as exact_irradiance, lit, sigma, white,
 };
 use relievo::scenes::{Scene, environment};
-use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
 
-#[path = "measure/mirrors.rs"]
-mod mirrors;
-#[path = "measure/room.rs"]
-mod room;
-#[path = "measure/shadows.rs"]
-mod shadows;
-#[path = "measure/strokes.rs"]
-mod strokes;
-#[path = "measure/warping.rs"]
-mod warping;
-
-/// The Hessian of a frame's height, which relighting does not output.
-fn hessian(frame: &Frame, shape: ShapeParams) -> Outcomes<SymmetricPlanes> {
-    let params = Params {
-        shape,
-        ..Params::default()
-    };
-    let layers = Engine::cpu().run(&Request::new(Goal::LAYERS, params), frame, &Run::new())?;
-    Ok(layers.shape.hessian.ok_or("layers hold it")?)
+mod common;
+mod measure {
+    pub(crate) mod mirrors;
+    mod room;
+    pub(crate) mod shadows;
+    pub(crate) mod strokes;
+    pub(crate) mod warping;
 }
 
-type Outcomes<T> = Result<T, Box<dyn std::error::Error>>;
+use measure::{mirrors, shadows, strokes, warping};
 
 /// The variable with the command of another program.
 const PEER: &str = "RELIEVO_PEER";
 
 /// Stages by the names that they have in the table.
 type Parts = &'static [(&'static str, &'static [&'static str])];
+
+/// A plan with the usual settings of shape and scaling.
+fn plan(goal: Goal, frame: &Frame, light: &Illumination) -> Outcomes<Plan> {
+    let available = Available::in_frame(frame).lit_by(light);
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    Ok(Plan::new(goal, available, shape, scaling)?)
+}
 
 /// The stages from normals and depth to curvature.
 const SHAPE: &[&str] = &["edges-and-gradient", "diffusion", "curvature"];
@@ -99,7 +94,7 @@ fn main() -> Outcomes<()> {
 
 /// The table of all cases.
 fn print_cases(arguments: &[String]) -> Outcomes<()> {
-    let usage = "usage: measure [mirrors|strokes|warping|WIDTH Scene::HEIGHT [ROUNDS]]";
+    let usage = "usage: measure [mirrors|strokes|warping|WIDTH HEIGHT [ROUNDS]]";
     let numbers = arguments.iter().map(|a| a.parse().map_err(|_| usage));
     let numbers: Vec<usize> = numbers.collect::<Result<_, _>>()?;
     let (width, height, rounds) = match numbers[..] {
@@ -145,7 +140,6 @@ fn print_cases(arguments: &[String]) -> Outcomes<()> {
     Ok(())
 }
 
-/// The error of an outcome, as the table has it.
 type Judge = Box<dyn Fn(&Outcome) -> Outcomes<String>>;
 
 /// A plan to be measured.
@@ -155,6 +149,7 @@ struct Case {
     plan: Plan,
     light: Illumination,
     parts: Parts,
+    /// The error of an outcome, as the table has it.
     judge: Judge,
     error: Option<String>,
     /// Of each round, all stages, and each part.
@@ -162,14 +157,21 @@ struct Case {
 }
 
 impl Case {
-    fn new(name: String, frame: &Rc<Frame>, plan: Plan, parts: Parts, judge: Judge) -> Self {
+    fn new(
+        name: String,
+        frame: &Rc<Frame>,
+        plan: Plan,
+        light: &Illumination,
+        parts: Parts,
+        judge: impl Fn(&Outcome) -> Outcomes<String> + 'static,
+    ) -> Self {
         Self {
             name,
             frame: frame.clone(),
             plan,
-            light: Illumination::default(),
+            light: light.clone(),
             parts,
-            judge,
+            judge: Box::new(judge),
             error: None,
             seconds: vec![Vec::new(); 1 + parts.len()],
         }
@@ -192,11 +194,8 @@ impl Case {
             timings.map(|(_, time)| time.as_secs_f64()).sum()
         };
         let parts = self.parts.iter().map(|(_, stages)| Some(*stages));
-        for (seconds, stages) in self
-            .seconds
-            .iter_mut()
-            .zip(std::iter::once(None).chain(parts))
-        {
+        let parts = std::iter::once(None).chain(parts);
+        for (seconds, stages) in self.seconds.iter_mut().zip(parts) {
             seconds.push(of(stages));
         }
         engine.recycle(outcome);
@@ -260,57 +259,52 @@ fn shape_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
             let (mean, largest) = errors(outcome, &mask, &shape, steps);
             Ok(format!("{mean:.1e}, {largest:.1e}"))
         };
-        Ok(Case::new(name, frame, plan, SHAPE_PARTS, Box::new(judge)))
+        let dark = Illumination::default();
+        Ok(Case::new(name, frame, plan, &dark, SHAPE_PARTS, judge))
     };
-    let mut cases = Vec::new();
-    for (steps, solver) in [
-        (0, Solver::Explicit),
-        (10, Solver::Explicit),
-        (50, Solver::Explicit),
-        (50, Solver::Chebyshev),
-        (200, Solver::Explicit),
-        (200, Solver::Chebyshev),
-    ] {
+    use Solver::{Chebyshev, Explicit};
+    let rows = [
+        (0, Explicit),
+        (10, Explicit),
+        (50, Explicit),
+        (50, Chebyshev),
+        (200, Explicit),
+        (200, Chebyshev),
+    ];
+    let rows = rows.into_iter().map(|(steps, solver)| {
         let name = format!("{steps} steps, {solver:?}");
-        cases.push(case(name, &frame, steps, solver)?);
-    }
+        case(name, &frame, steps, solver)
+    });
+    let mut cases: Vec<Case> = rows.collect::<Outcomes<_>>()?;
     let part = Rc::new(covered_in_part(waves(width, height), 0.1));
     let name = "50 steps, a tenth covered".into();
-    cases.push(case(name, &part, 50, Solver::Chebyshev)?);
+    cases.push(case(name, &part, 50, Chebyshev)?);
     Ok(cases)
 }
 
 /// Drawings of a tone that is a half: of waves without an edge, and of a scene that is full of them; and drawings as
 /// they are by default, at sizes for print too. Errors are those of the mean tone.
 fn drawing_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
-    let pen = pen();
-    let strokes = pen.strokes;
-    let of_strokes = |strokes| LineParams { strokes, ..pen };
-    let two_sets = of_strokes(StrokeParams { sets: 2, ..strokes });
-    let crossed = LineParams {
-        directions: StrokeDirections::Both,
-        ..pen
-    };
-    let pencil = of_strokes(StrokeParams {
-        style: Style::Pencil,
-        ..strokes
-    });
-    let plain = [
-        ("pen", pen),
-        ("pen, two sets", two_sets),
-        ("pen, crossed", crossed),
-        ("pencil", pencil),
+    let plain: [(_, fn(&mut LineParams)); 4] = [
+        ("pen", |_| ()),
+        ("pen, two sets", |line| line.strokes.sets = 2),
+        ("pen, crossed", |line| {
+            line.directions = StrokeDirections::Both
+        }),
+        ("pencil", |line| line.strokes.style = Style::Pencil),
     ];
     let mut cases = Vec::new();
     for scene in [Scene::waves(width, height), Scene::barriers(width, height)] {
-        let (name, frame) = (scene.name, Rc::new(half_bright(scene.frame)));
-        for (drawing, line) in plain {
+        let (name, frame) = (scene.name, Rc::new(grey(scene.frame, 0.5)));
+        for (drawing, change) in plain {
             let name = format!("{name}, {drawing}");
+            let mut line = pen();
+            change(&mut line);
             cases.push(drawing_case(name, &frame, Tone::Picture, line)?);
         }
     }
     for (width, height) in [(width, height), (3840, 2160), (2480, 3508)] {
-        let frame = Rc::new(half_bright(waves(width, height)));
+        let frame = Rc::new(grey(waves(width, height), 0.5));
         let name = format!("waves, default, {width}x{height}");
         let (tone, line) = (Tone::Shape(None), LineParams::default());
         cases.push(drawing_case(name, &frame, tone, line)?);
@@ -320,21 +314,15 @@ fn drawing_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
 
 /// Strokes of one direction at scale 1, as dark as the picture.
 fn pen() -> LineParams {
-    LineParams {
-        tone: ToneParams {
-            white_point: Adaptive::Fixed(1.0),
-            black_point: 0.0,
-            gamma: 1.0,
-            ..ToneParams::default()
-        },
+    let mut line = LineParams {
         directions: StrokeDirections::Max,
         interior: None,
-        strokes: StrokeParams {
-            scale: StrokeScale::Factor(1.0),
-            ..StrokeParams::default()
-        },
         ..LineParams::default()
-    }
+    };
+    line.tone.white_point = Adaptive::Fixed(1.0);
+    (line.tone.black_point, line.tone.gamma) = (0.0, 1.0);
+    line.strokes.scale = StrokeScale::Factor(1.0);
+    line
 }
 
 /// The directions that strokes with `line` follow in a picture, by a mirror if there is one.
@@ -362,13 +350,8 @@ fn direction_at(field: &Vector2Planes, [x, y]: [usize; 2]) -> DVec2 {
 }
 
 fn drawing_case(name: String, frame: &Rc<Frame>, tone: Tone, line: LineParams) -> Outcomes<Case> {
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let plan = Plan::new(
-        Goal::Hatch(tone, line),
-        Available::in_frame(frame),
-        shape,
-        scaling,
-    )?;
+    let dark = Illumination::default();
+    let plan = plan(Goal::Hatch(tone, line), frame, &dark)?;
     let mask = frame.mask.clone();
     let judge = move |outcome: &Outcome| {
         let drawing = outcome.drawing.as_ref().ok_or("a drawing was planned")?;
@@ -380,7 +363,7 @@ fn drawing_case(name: String, frame: &Rc<Frame>, tone: Tone, line: LineParams) -
         let asked = drawing.asked.as_ref().map_or(0.5, mean);
         Ok(format!("{:+.4}", mean(&drawing.hatching) - asked))
     };
-    Ok(Case::new(name, frame, plan, DRAWING_PARTS, Box::new(judge)))
+    Ok(Case::new(name, frame, plan, &dark, DRAWING_PARTS, judge))
 }
 
 /// New light on white waves; errors are the largest at some pixels, relative to the brightest.
@@ -411,7 +394,7 @@ fn light_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
             1 => format!("1 light, {material:?}"),
             count => format!("{count} lights, {material:?}"),
         };
-        let lights: Rc<[DirectionalLight]> = lights.into();
+        let lights = lights.to_vec();
         let exact = move |pixel: &Pixel, settings: &Settings| lit(pixel, &lights, settings);
         let mut params = white(material, method, SampleCount::Auto);
         cases.push(light_case(&name, &frame, &light, params, exact.clone())?);
@@ -421,19 +404,17 @@ fn light_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
             cases.push(light_case(&name, &frame, &light, params, exact)?);
         }
     }
-    let light = Illumination {
-        environment: Some(environment.clone().into()),
-        ..Illumination::default()
-    };
+    let light = light_around(environment.clone());
     let largest = largest_irradiance(&environment);
+    let params = white(Material::Lambert, Scale, SampleCount::Fixed(0));
+    let diffuse = f64::from(params.material.diffuse_gain);
     let exact = move |pixel: &Pixel, s: &Settings| {
         let shown = exact_irradiance(&environment, pixel.normal);
         let trace = pixel.hessian[0] + pixel.hessian[2];
         let x = f64::from(s.scaling.scaling) * (-s.gain * trace).tanh();
         let d = luminance(shown) / largest;
-        Some(shown.map(|c| c * sigma(d, x, s.scaling.invariant_point.into())))
+        Some(shown.map(|c| diffuse * c * sigma(d, x, s.scaling.invariant_point.into())))
     };
-    let params = white(Material::Lambert, Scale, SampleCount::Fixed(0));
     let name = "environment, prefiltered, Lambert";
     cases.push(light_case(name, &frame, &light, params, exact)?);
     Ok(cases)
@@ -444,24 +425,19 @@ fn light_case(
     frame: &Rc<Frame>,
     light: &Illumination,
     params: RelightParams,
-    exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]> + 'static,
+    exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]> + Sync + 'static,
 ) -> Outcomes<Case> {
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame).lit_by(light);
-    let plan = Plan::new(Goal::Relight(params), available, shape, scaling)?;
-    let has_environment = light.environment.is_some();
+    let plan = plan(Goal::Relight(params), frame, light)?;
     let lit = frame.clone();
     let judge = move |outcome: &Outcome| {
-        let hessian = hessian(&lit, shape)?;
-        let error = light_error(&lit, &hessian, &params, has_environment, outcome, &exact);
-        Ok(format!("{error:.1e}"))
+        let gain = outcome.gain.unwrap_or(0.0);
+        let known = exact_colors(&lit, &params, gain, CHECKED, &exact)?;
+        let worst = errors_of_colors(outcome, &known).fold(0.0, f64::max);
+        let colors = known.iter().flat_map(|(_, color)| *color);
+        Ok(format!("{:.1e}", worst / colors.fold(0.0, f64::max)))
     };
     let name = format!("{name}, {:?}", params.method);
-    let case = Case::new(name, frame, plan, LIGHT_PARTS, Box::new(judge));
-    Ok(Case {
-        light: light.clone(),
-        ..case
-    })
+    Ok(Case::new(name, frame, plan, light, LIGHT_PARTS, judge))
 }
 
 fn luminance([r, g, b]: [f64; 3]) -> f64 {
@@ -470,7 +446,7 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 }
 
 /// The luminance of the brightest pixel of the map of irradiance: found in single precision, computed in double.
-fn largest_irradiance(environment: &relievo::light::environment::Environment) -> f64 {
+fn largest_irradiance(environment: &Environment) -> f64 {
     let map = irradiance(environment);
     let pixels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
     // Only the side facing the viewer is visible.
@@ -478,25 +454,27 @@ fn largest_irradiance(environment: &relievo::light::environment::Environment) ->
     let at = |(x, y): (usize, usize)| luminance(map.pixel(x, y).map(f64::from));
     let brightest = pixels.max_by(|a, b| at(*a).total_cmp(&at(*b)));
     let (x, y) = brightest.expect("a map has pixels");
-    luminance(exact_irradiance(
-        environment,
-        map.direction(x, y).as_dvec3(),
-    ))
+    let toward = map.direction(x, y).as_dvec3();
+    luminance(exact_irradiance(environment, toward))
 }
 
 /// Number of pixels at which light is compared with double precision.
 const CHECKED: usize = 300;
 
-/// The largest error of light relative to the largest value, at some pixels.
-fn light_error(
+/// A pixel and its colour.
+type Known = ([usize; 2], [f64; 3]);
+
+/// Up to `count` pixels of a frame in new light, in double precision.
+fn exact_colors(
     frame: &Frame,
-    hessian: &SymmetricPlanes,
     params: &RelightParams,
-    has_environment: bool,
-    outcome: &Outcome,
-    exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]>,
-) -> f64 {
-    let gain = outcome.gain.unwrap_or(0.0);
+    gain: f32,
+    count: usize,
+    exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]> + Sync,
+) -> Outcomes<Vec<Known>> {
+    // Relighting outputs no Hessian.
+    let layers = Engine::cpu().run(&Request::layers(Params::default()), frame, &Run::new())?;
+    let hessian = layers.shape.hessian.ok_or("layers hold it")?;
     let settings = Settings {
         method: params.method,
         alpha: f64::from(params.warping.warp * gain),
@@ -504,24 +482,22 @@ fn light_error(
         scaling: &ScalingParams::default(),
         material: &params.material,
     };
+    let pixels: Vec<_> = some_covered(&frame.mask, count).collect();
+    let known = pixels.into_par_iter().filter_map(|at| {
+        let pixel = Pixel::of(frame, &hessian, at, 0.0);
+        Some((at, exact(&pixel, &settings)?))
+    });
+    Ok(known.collect())
+}
+
+/// The largest error of a channel at each pixel.
+fn errors_of_colors(outcome: &Outcome, known: &[Known]) -> impl Iterator<Item = f64> {
     let color = outcome.color.as_ref().expect("light makes a picture");
-    let diffuse = match has_environment {
-        true => f64::from(params.material.diffuse_gain),
-        false => 1.0,
-    };
-    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
-    for at in some_covered(&frame.mask, CHECKED) {
-        let pixel = Pixel::of(frame, hessian, at, 0.0);
-        let Some(exact) = exact(&pixel, &settings) else {
-            continue;
-        };
-        for (plane, exact) in [&color.r, &color.g, &color.b].into_iter().zip(exact) {
-            let exact = diffuse * exact;
-            worst = worst.max((f64::from(plane.at(at[0], at[1])) - exact).abs());
-            largest = largest.max(exact);
-        }
-    }
-    worst / largest
+    known.iter().map(move |([x, y], exact)| {
+        let found = [&color.r, &color.g, &color.b].map(|plane| f64::from(plane.at(*x, *y)));
+        let apart = (0..3).map(|c| (found[c] - exact[c]).abs());
+        apart.fold(0.0, f64::max)
+    })
 }
 
 /// Up to `count` covered pixels, spread evenly in the order of rows.
@@ -532,37 +508,19 @@ fn some_covered(mask: &Mask, count: usize) -> impl Iterator<Item = [usize; 2]> {
     covered.skip(step / 2).step_by(step)
 }
 
-/// The frame with a picture that is half as bright as white all over.
-fn half_bright(frame: Frame) -> Frame {
-    let half = Plane::filled(frame.mask.width(), frame.mask.height(), 0.5);
-    let [r, g, b] = [(); 3].map(|()| half.clone());
-    Frame {
-        color: Some(ColorPlanes { r, g, b }),
-        ..frame
-    }
-}
-
 /// The frame with only a disc in its middle covered, which takes `share` of it.
 fn covered_in_part(frame: Frame, share: f64) -> Frame {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let radius = (share * (width * height) as f64 / std::f64::consts::PI).sqrt();
     let (x0, y0) = (0.5 * width as f64, 0.5 * height as f64);
-    let inside = |x: usize, y: usize| (x as f64 - x0).hypot(y as f64 - y0) < radius;
-    Frame {
-        mask: Mask::new(Plane::from_fn(width, height, inside)),
-        ..frame
-    }
+    masked(frame, |x, y| (x as f64 - x0).hypot(y as f64 - y0) < radius)
 }
 
 /// The waves of the report, with a picture to be enhanced.
 fn waves(width: usize, height: usize) -> Frame {
     let grey = Plane::from_fn(width, height, |x, y| 0.2 + 0.1 * ((x ^ y) & 7) as f32 / 7.0);
     Frame {
-        color: Some(ColorPlanes {
-            r: grey.clone(),
-            g: grey.clone(),
-            b: grey,
-        }),
+        color: Some(ColorPlanes::grey(grey)),
         ..Scene::waves(width, height).frame
     }
 }
@@ -577,11 +535,8 @@ fn decay(time_step: f64) -> f64 {
 
 /// Mean and largest error of the trace, relative to its largest value, a wave away from borders.
 fn errors(outcome: &Outcome, mask: &Mask, shape: &ShapeParams, steps: u32) -> (f64, f64) {
-    let trace = outcome
-        .shape
-        .trace
-        .as_ref()
-        .expect("enhancing needs the trace");
+    let trace = outcome.shape.trace.as_ref();
+    let trace = trace.expect("enhancing needs the trace");
     let peak = 2.0 * Scene::HEIGHT * Scene::WAVE * Scene::WAVE;
     let decayed = peak * decay(shape.time_step.into()).powi(steps as i32);
     let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
@@ -621,12 +576,12 @@ impl Peer {
         let normals = normals.zip(normal.z.samples());
         let interleaved: Vec<f32> = normals.flat_map(|((&x, &y), &z)| [x, y, z]).collect();
         let depth = frame.depth.as_ref().ok_or("waves have depth")?;
-        write_npy(
-            &folder.path().join("normal.npy"),
-            &[size[0], size[1], 3],
-            &interleaved,
-        )?;
-        write_npy(&folder.path().join("depth.npy"), &size, depth.samples())?;
+        let write = |name, shape: &[usize], samples: &[f32]| {
+            let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_le_bytes()).collect();
+            write_npy(&folder.path().join(name), "<f4", shape, &bytes)
+        };
+        write("normal.npy", &[size[0], size[1], 3], &interleaved)?;
+        write("depth.npy", &size, depth.samples())?;
         let left = decay(0.25).powi(50) as f32;
         let exact = [&normal.x, &normal.y].map(|component| {
             let slopes = component.samples().iter().zip(normal.z.samples());
@@ -687,24 +642,12 @@ impl Peer {
     }
 
     fn print(&self) {
-        let error = self
-            .error()
-            .map_or_else(|why| why.to_string(), |error| format!("{error:.1e}"));
+        let error = match self.error() {
+            Ok(error) => format!("{error:.1e}"),
+            Err(why) => why.to_string(),
+        };
         for (stage, seconds) in &self.stages {
             print_row(&format!("{PEER}, {stage}"), &error, seconds, "");
         }
     }
-}
-
-/// Writes an array of single precision in NumPy's format.
-fn write_npy(path: &Path, shape: &[usize], samples: &[f32]) -> std::io::Result<()> {
-    let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
-    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
-    // With ten bytes before it, the header ends at a multiple of 64.
-    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((length as u16).to_le_bytes());
-    bytes.extend(format!("{header:<width$}\n", width = length - 1).bytes());
-    bytes.extend(samples.iter().flat_map(|v| v.to_le_bytes()));
-    std::fs::write(path, bytes)
 }

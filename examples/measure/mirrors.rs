@@ -2,7 +2,7 @@
 //! the map: where sight lines end, and the directions of strokes there, against the exact ones.
 
 use super::room::{self, EYE, End, PROJECTION, SIZE, Shown};
-use super::{Outcomes, direction_at, half_bright, print_cells, quartiles, stroke_field};
+use crate::{Outcomes, direction_at, print_cells, quartiles, stroke_field};
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{
     Camera, Frame, Mask, Plane, SpecularScene, Surroundings, Vector3Planes, map_direction,
@@ -10,7 +10,7 @@ use relievo::frame::{
 use relievo::params::{
     Bend, Fallback, FieldParams, LineParams, SearchParams, SpecularParams, StrokeDirections,
 };
-use relievo::scenes::angle_deg;
+use relievo::scenes::{angle_deg, frames::grey};
 use relievo::trace::Tracer;
 use std::sync::Arc;
 
@@ -19,28 +19,26 @@ const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 /// Rows of the map.
 const ROWS: [usize; 6] = [16, 32, 64, 128, 256, 512];
 
-pub(super) fn print() -> Outcomes<()> {
-    let (frame, shown) = (half_bright(ball()), room::shown());
+pub(crate) fn print() -> Outcomes<()> {
+    let (frame, shown) = (grey(ball(), 0.5), room::shown());
+    let errors = |by: [(usize, u32); 6]| {
+        let errors = by.map(|(rows, steps)| Errors::new(&frame, &shown, rows, steps));
+        errors.into_iter().collect::<Outcomes<Vec<Errors>>>()
+    };
+    let by_steps = errors(STEPS.map(|steps| (256, steps)))?;
+    let by_rows = errors(ROWS.map(|rows| (rows, SearchParams::default().steps)))?;
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     print_cells("steps", STEPS);
     println!("|---|---|---|---|---|---|---|");
-    let errors = STEPS.map(|steps| Errors::new(&frame, &shown, 256, steps));
-    let errors: Vec<Errors> = errors.into_iter().collect::<Outcomes<_>>()?;
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-    print_cells("columns missed", errors.iter().map(|e| percent(e.missed)));
-    print_cells("astray", errors.iter().map(|e| percent(e.astray)));
+    print_cells("columns missed", by_steps.iter().map(|e| percent(e.missed)));
+    print_cells("astray", by_steps.iter().map(|e| percent(e.astray)));
     println!();
     print_cells("rows", ROWS);
     println!("|---|---|---|---|---|---|---|");
-    let steps = SearchParams::default().steps;
-    let errors = ROWS.map(|rows| Errors::new(&frame, &shown, rows, steps));
-    let errors: Vec<Errors> = errors.into_iter().collect::<Outcomes<_>>()?;
-    let points = errors.iter().map(|e| format!("{:.1e}", e.place));
-    print_cells(
-        "half of all points on columns within, relative to their distance",
-        points,
-    );
-    let strokes = errors.iter().map(|e| format!("{:.3}", e.angle));
-    print_cells("half of all strokes there within, degrees", strokes);
+    let points = "half of all points on columns within, relative to their distance";
+    print_cells(points, by_rows.iter().map(|e| format!("{:.1e}", e.place)));
+    let strokes = "half of all strokes there within, degrees";
+    print_cells(strokes, by_rows.iter().map(|e| format!("{:.3}", e.angle)));
     Ok(())
 }
 

@@ -8,10 +8,10 @@ use relievo::frame::{Projection, SightLines};
 use std::f64::consts::FRAC_PI_4;
 
 /// Pixels on each side of the picture.
-pub(super) const SIZE: usize = 160;
-pub(super) const EYE: DVec3 = DVec3::new(-0.05, 0.1, 4.0);
+pub(crate) const SIZE: usize = 160;
+pub(crate) const EYE: DVec3 = DVec3::new(-0.05, 0.1, 4.0);
 /// The ball fills three quarters of the picture.
-pub(super) const PROJECTION: Projection = Projection::Perspective {
+pub(crate) const PROJECTION: Projection = Projection::Perspective {
     fx: 1.5 * SIZE as f64,
     fy: 1.5 * SIZE as f64,
     cx: 0.5 * SIZE as f64,
@@ -40,15 +40,15 @@ const EDGE_PX: f64 = 2.0;
 const STEP_PX: f64 = 1e-4;
 
 /// Where a ray ends.
-pub(super) struct End {
-    pub(super) point: DVec3,
-    pub(super) normal: DVec3,
-    pub(super) surface: usize,
+pub(crate) struct End {
+    pub(crate) point: DVec3,
+    pub(crate) normal: DVec3,
+    pub(crate) surface: usize,
 }
 
 impl End {
     /// Of a ray from inside the room and outside its columns: on the nearest surface ahead.
-    pub(super) fn of(start: DVec3, direction: DVec3) -> Self {
+    pub(crate) fn of(start: DVec3, direction: DVec3) -> Self {
         let ahead = |surface| Some((along(surface, start, direction)?, surface));
         let nearest = (0..SURFACES).filter_map(ahead);
         let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -82,7 +82,7 @@ impl End {
         }
     }
 
-    pub(super) fn is_on_column(&self) -> bool {
+    pub(crate) fn is_on_column(&self) -> bool {
         self.surface >= WALLS
     }
 }
@@ -102,7 +102,7 @@ fn along(surface: usize, start: DVec3, direction: DVec3) -> Option<f64> {
 }
 
 /// The surface nearest to a point.
-pub(super) fn nearest(point: DVec3) -> usize {
+pub(crate) fn nearest(point: DVec3) -> usize {
     let away = |surface: usize| match surface {
         0..WALLS => (ROOM[surface] - point[surface].abs()).abs(),
         _ => {
@@ -115,27 +115,27 @@ pub(super) fn nearest(point: DVec3) -> usize {
 }
 
 /// The unit sight line through a position in the picture, and where it meets the ball: the normal there, too.
-pub(super) fn on_ball(at: DVec2) -> Option<(DVec3, DVec3)> {
+pub(crate) fn on_ball(at: DVec2) -> Option<(DVec3, DVec3)> {
     let sight = SightLines::new(PROJECTION).line(at.x, at.y).1.normalize();
     let along = EYE.dot(sight);
     let square = along * along - EYE.length_squared() + 1.0;
     (square > 0.0).then(|| (sight, EYE - (along + square.sqrt()) * sight))
 }
 
-pub(super) fn middle(x: usize, y: usize) -> DVec2 {
+pub(crate) fn middle(x: usize, y: usize) -> DVec2 {
     DVec2::new(x as f64, y as f64) + 0.5
 }
 
 /// What a pixel shows.
-pub(super) struct Shown {
-    pub(super) at: [usize; 2],
-    pub(super) end: End,
+pub(crate) struct Shown {
+    pub(crate) at: [usize; 2],
+    pub(crate) end: End,
     /// The direction of strokes in the picture, y up; `None` near edges.
-    pub(super) direction: Option<DVec2>,
+    pub(crate) direction: Option<DVec2>,
 }
 
 /// The pixels that count: those that face the eye and show points seen from the origin, as on the map.
-pub(super) fn shown() -> Vec<Shown> {
+pub(crate) fn shown() -> Vec<Shown> {
     let pixels = (0..SIZE * SIZE).map(|i| [i % SIZE, i / SIZE]);
     let shown = pixels.filter_map(|[x, y]| {
         let at = middle(x, y);

@@ -1,15 +1,13 @@
 //! Cast shadows over waves whose height the normals tell alone: times, and errors against rays over the waves themselves.
 
-use super::{CHECKED, Case, Outcomes, Parts, some_covered};
+use crate::common::light_from;
+use crate::{CHECKED, Case, Outcomes, Parts, plan, some_covered};
 use glam::{DVec2, DVec3};
 use relievo::engine::Outcome;
 use relievo::frame::Frame;
 use relievo::light::light_samples::light_disc;
-use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{
-    Material, Method, RelightParams, SampleCount, ScalingParams, Shadows, ShapeParams,
-};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::params::{Material, Method, RelightParams, SampleCount, Shadows};
+use relievo::plan::Goal;
 use relievo::scenes::Scene;
 use relievo::scenes::light_reference::white;
 use std::rc::Rc;
@@ -36,14 +34,8 @@ pub(crate) fn cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
         ..Scene::waves(width, height).frame
     });
     let [azimuth, elevation] = LAMP_DEG;
-    let to_light = direction_of(azimuth, elevation);
-    let light = Illumination {
-        directional: vec![DirectionalLight {
-            to_light,
-            intensity: [1.0; 3],
-        }],
-        ..Illumination::default()
-    };
+    let light = light_from(azimuth, elevation);
+    let to_light = light.directional[0].to_light;
     let default = RelightParams::default().light_size;
     let of_size = |size: f32| {
         let params = RelightParams {
@@ -52,9 +44,7 @@ pub(crate) fn cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
             shadow_fill: 0.0,
             ..white(Material::Lambert, Method::Plain, SampleCount::Auto)
         };
-        let available = Available::in_frame(&frame).lit_by(&light);
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::new(Goal::Relight(params), available, shape, scaling)?;
+        let plan = plan(Goal::Relight(params), &frame, &light)?;
         let rays = match size > 0.0 {
             true => light_disc(to_light, 0.5 * size.to_radians(), RAYS),
             false => vec![to_light],
@@ -66,11 +56,7 @@ pub(crate) fn cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
             Ok(format!("{error:.1e}"))
         };
         let name = format!("shadows of a lamp {size} degrees wide");
-        let case = Case::new(name, &frame, plan, PARTS, Box::new(judge));
-        Ok(Case {
-            light: light.clone(),
-            ..case
-        })
+        Ok(Case::new(name, &frame, plan, &light, PARTS, judge))
     };
     [0.0, default].into_iter().map(of_size).collect()
 }

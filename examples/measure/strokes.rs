@@ -3,26 +3,22 @@
 //!
 //! The surface is that of the bust, in an even half tone.
 
-use super::{Outcomes, direction_at, half_bright, pen, stroke_field};
+use crate::common::load;
+use crate::{Outcomes, direction_at, pen, stroke_field};
 use glam::DVec2;
-use relievo::engine::{Engine, PlanInputs, Run};
+use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes};
-use relievo::io::{Needs, inputs, load};
-use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams};
-use relievo::plan::{Available, Goal, Plan, Tone};
-use relievo::scenes::{Scene, angle_deg};
+use relievo::params::{Params, StrokeParams};
+use relievo::plan::{Goal, Tone};
+use relievo::scenes::{Scene, angle_deg, frames::grey};
 
 const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, 360];
 
 /// Pixels over which directions are averaged, as a standard deviation.
 const AROUND_PX: usize = 8;
 
-pub(super) fn print() -> Outcomes<()> {
-    let bust = inputs::Inputs {
-        picture: "fixtures/bust.exr".into(),
-        ..inputs::Inputs::default()
-    };
-    let bust = Card::new(load(&bust, Needs::default())?.frame)?;
+pub(crate) fn print() -> Outcomes<()> {
+    let bust = Card::new(load("fixtures/bust.exr", None)?)?;
     let straight = Card::new(Scene::plane(512, 512).frame)?;
     let usual = StrokeParams::default();
     let straight = straight.likeness(&straight.ink(usual.levels, usual.sets)?);
@@ -51,7 +47,7 @@ struct Card {
 
 impl Card {
     fn new(frame: Frame) -> Outcomes<Self> {
-        let frame = half_bright(frame);
+        let frame = grey(frame, 0.5);
         let covered = frame.mask.plane().map(|is_in| f32::from(u8::from(is_in)));
         Ok(Self {
             field: stroke_field(&frame, &pen(), None)?,
@@ -61,21 +57,11 @@ impl Card {
     }
 
     fn ink(&self, levels: u32, sets: u32) -> Outcomes<Plane> {
-        let pen = pen();
-        let line = LineParams {
-            contours: None,
-            strokes: StrokeParams {
-                levels,
-                sets,
-                ..pen.strokes
-            },
-            ..pen
-        };
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let available = Available::in_frame(&self.frame);
-        let plan = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling)?;
-        let (inputs, run) = (PlanInputs::default(), Run::new());
-        let outcome = Engine::cpu().execute(&plan, &self.frame, inputs, &run)?;
+        let mut line = pen();
+        line.contours = None;
+        (line.strokes.levels, line.strokes.sets) = (levels, sets);
+        let request = Request::new(Goal::Hatch(Tone::Picture, line), Params::default());
+        let outcome = Engine::cpu().run(&request, &self.frame, &Run::new())?;
         Ok(outcome.drawing.ok_or("a drawing was planned")?.hatching)
     }
 
