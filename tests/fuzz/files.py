@@ -1,4 +1,4 @@
-"""Small picture files from scratch, right ones and wrong ones: for attack.py and found.py."""
+"""Small picture files from scratch, for attack.py."""
 
 import math
 import struct
@@ -6,49 +6,24 @@ import zlib
 
 
 def attribute(name, kind, value):
-    """An attribute of an EXR header; names may be any bytes."""
-    return as_bytes(name) + b"\0" + as_bytes(kind) + b"\0" + struct.pack("<i", len(value)) + value
+    """An attribute of an EXR header."""
+    return f"{name}\0{kind}\0".encode() + struct.pack("<i", len(value)) + value
 
 
-def as_bytes(text):
-    return text if isinstance(text, bytes) else text.encode()
-
-
-def box(window):
-    return struct.pack("<4i", *window)
-
-
-def exr(channels, width, height, *, window=None, compression=0, part=None, more=b"", chunks=None, tiles=None):
-    """An EXR file of one part, 32-bit floats, uncompressed; channels maps names to functions of x and y.
-
-    window, compression, tiles and chunks (a list of bytes) replace what would be true; more holds attributes.
-    """
-    window = window or (0, 0, width - 1, height - 1)
-    names = sorted(channels, key=as_bytes)
-    channel_list = b"".join(as_bytes(n) + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for n in names) + b"\0"
-    long_names = 0x400 if any(len(as_bytes(n)) > 31 for n in names) else 0
-    header = struct.pack("<II", 20000630, 2 | long_names | (0x200 if tiles else 0))
-    header += attribute("channels", "chlist", channel_list)
-    header += attribute("compression", "compression", bytes([compression]))
-    header += attribute("dataWindow", "box2i", box(window))
-    header += attribute("displayWindow", "box2i", box((0, 0, width - 1, height - 1)))
-    header += attribute("lineOrder", "lineOrder", b"\0")
-    header += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
-    header += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
-    header += attribute("screenWindowWidth", "float", struct.pack("<f", 1))
-    if tiles:
-        header += attribute("tiles", "tiledesc", struct.pack("<IIB", *tiles, 0))
-    if part is not None:
-        header += attribute("name", "string", as_bytes(part))
-    header += more + b"\0"
-    if chunks is None:
-        rows = [[channels[n](x, y) for n in names for x in range(width)] for y in range(height)]
-        chunks = [struct.pack("<ii", y, 4 * len(r)) + struct.pack(f"<{len(r)}f", *r) for y, r in enumerate(rows)]
-    offsets, at = b"", len(header) + 8 * len(chunks)
-    for chunk in chunks:
-        offsets += struct.pack("<Q", at)
-        at += len(chunk)
-    return header + offsets + b"".join(chunks)
+def exr(channels, width, height):
+    """An EXR file of one part, 32-bit floats, uncompressed; channels maps names to functions of x and y."""
+    names = sorted(channels)
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = struct.pack("<II", 20000630, 2)
+    header += attribute("channels", "chlist", b"".join(n.encode() + struct.pack("<xiB3xii", 2, 0, 1, 1) for n in names) + b"\0")
+    header += attribute("compression", "compression", b"\0") + attribute("lineOrder", "lineOrder", b"\0")
+    header += attribute("dataWindow", "box2i", window) + attribute("displayWindow", "box2i", window)
+    header += attribute("pixelAspectRatio", "float", struct.pack("<f", 1)) + attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+    header += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)) + b"\0"
+    rows = [[channels[n](x, y) for n in names for x in range(width)] for y in range(height)]
+    chunks = [struct.pack("<ii", y, 4 * len(r)) + struct.pack(f"<{len(r)}f", *r) for y, r in enumerate(rows)]
+    first = len(header) + 8 * height
+    return header + b"".join(struct.pack("<Q", first + y * len(chunks[0])) for y in range(height)) + b"".join(chunks)
 
 
 def bumps(number=0):
@@ -71,41 +46,23 @@ def chunk(name, data):
     return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
 
-def png(width, height, rows, *, kind=2, bits=8, more=b""):
-    """A PNG file; rows are the bytes of all rows, each with its filter; more holds chunks of metadata."""
-    head = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
-    body = chunk(b"IDAT", zlib.compress(rows, 9))
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + more + body + chunk(b"IEND", b"")
-
-
-def exif(entries, count=None):
-    """A block of EXIF: entries are (tag, type, count, four bytes of value); count replaces their number."""
-    table = b"".join(struct.pack("<HHI", *entry[:3]) + entry[3] for entry in entries)
-    return b"II*\0" + struct.pack("<IH", 8, len(entries) if count is None else count) + table + bytes(4)
-
-
-def with_exif(jpeg, block):
-    """A JPEG with a block of EXIF in front."""
-    block = b"Exif\0\0" + block
-    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", 2 + len(block)) + block + jpeg[2:]
-
-
-def colored_png(width, height, more=b""):
+def colored_png(width, height):
     """A PNG that passes for a photo and for a normal map."""
     row = lambda y: bytes([0]) + b"".join(bytes([96 + 64 * x // width, 160 - 64 * y // height, 240]) for x in range(width))
-    return png(width, height, b"".join(row(y) for y in range(height)), more=more)
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    body = zlib.compress(b"".join(map(row, range(height))), 9)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
 
 
-def hdr(width, height, pixels=None):
+def hdr(width, height):
     """A Radiance HDR file without run lengths."""
-    pixels = bytes([128, 128, 140, 129]) * (width * height) if pixels is None else pixels
+    pixels = bytes([128, 128, 140, 129]) * (width * height)
     return b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + f"-Y {height} +X {width}\n".encode() + pixels
 
 
-def tiff(width, height, samples=None):
+def tiff(width, height):
     """A TIFF file of floats in red, green and blue."""
-    samples = [0.5] * (3 * width * height) if samples is None else samples
-    data = struct.pack(f"<{len(samples)}f", *samples)
+    data = struct.pack("<f", 0.5) * (3 * width * height)
     bits = struct.pack("<6H", 32, 32, 32, 3, 3, 3)
     entries = [(256, 4, 1, width), (257, 4, 1, height), (258, 3, 3, 8), (259, 3, 1, 1), (262, 3, 1, 2), (273, 4, 1, 20),
                (277, 3, 1, 3), (278, 4, 1, height), (279, 4, 1, len(data)), (339, 3, 3, 14)]

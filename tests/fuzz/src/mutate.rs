@@ -20,89 +20,33 @@ static PROGRAM: LazyLock<Command> = LazyLock::new(|| {
     program
 });
 
-const COMMANDS: [&str; 7] = [
-    "shape", "enhance", "relight", "hatch", "map", "inspect", "run",
-];
+const COMMANDS: &str = "shape enhance relight hatch map inspect run";
 
 /// Names on the desk of `targets`, in several spellings, and one that does not exist.
-const PATHS: [&str; 27] = [
-    "frame.exr",
-    "./frame.exr",
-    "sub/../frame.exr",
-    "link.exr",
-    "astray.exr",
-    "spoiled.exr",
-    "wild.exr",
-    "torn.exr",
-    "shot.####.exr",
-    "shot.%04d.exr",
-    "shot.0001.exr",
-    "plain.png",
-    "photo.jpg",
-    "scan.tif",
-    "sky.hdr",
-    "ball.png",
-    "camera.json",
-    "look.toml",
-    "extra",
-    "./extra",
-    "st",
-    "st/1.png",
-    "sub",
-    "pipe",
-    "absent.exr",
-    "N",
-    "Z",
-];
+const PATHS: &str = "frame.exr ./frame.exr sub/../frame.exr link.exr astray.exr spoiled.exr wild.exr torn.exr \
+    shot.####.exr shot.%04d.exr shot.0001.exr plain.png photo.jpg scan.tif sky.hdr ball.png camera.json look.toml \
+    extra ./extra st st/1.png sub pipe absent.exr N Z";
 
 /// Names of outputs.
-const OUTPUTS: [&str; 14] = [
-    "out.exr",
-    "out.png",
-    "out.jpg",
-    "out.tif",
-    "out.hdr",
-    "out.svg",
-    "out.####.exr",
-    "sub/out.exr",
-    "OUT.EXR",
-    "out",
-    "frame.exr",
-    "./plain.png",
-    "st/1.png",
-    "pipe",
-];
+const OUTPUTS: &str = "out.exr out.png out.jpg out.tif out.hdr out.svg out.####.exr sub/out.exr OUT.EXR out \
+    frame.exr ./plain.png st/1.png pipe";
 
-/// Numbers that break formulas.
-const NUMBERS: [&str; 27] = [
-    "0",
-    "-0",
-    "1",
-    "-1",
-    "2",
-    "0.5",
-    "1e-300",
-    "1e300",
-    "1e-30",
-    "1e30",
-    "1e-7",
-    "65504",
-    "65505",
-    "1e38",
-    "3.5e38",
-    "-1e38",
-    "nan",
-    "inf",
-    "-inf",
-    "1e999",
-    "90",
-    "180",
-    "100000",
-    "65535",
-    "4294967295",
-    "4294967296",
-    "",
-];
+/// Numbers that break formulas; the last is none.
+const NUMBERS: &str = "0 -0 1 -1 2 0.5 1e-300 1e300 1e-30 1e30 1e-7 65504 65505 1e38 3.5e38 -1e38 nan inf -inf \
+    1e999 90 180 100000 65535 4294967295 4294967296 ";
+
+/// Numbers that JSON can hold.
+const IN_JSON: &str = "1e-300 1e300 -1e300 1e-45 1e38 1e39 0 -0.0 5e-324 1.7e308 1 12 -7";
+
+const LISTS: &str = "1-3 1 1-9y1 1-3x2 3-1 2: -5--1 1-100000 1,1 0-4294967296 1-3x0";
+
+const WORDS: &str = "auto none '' - -- -q N=1,2 \u{1b}[31m \u{202e}x \u{e9} 0.3mm";
+
+/// One of some words.
+fn one(words: &str, u: &mut Unstructured) -> Result<String> {
+    let words: Vec<&str> = words.split(' ').collect();
+    Ok((*u.choose(&words)?).into())
+}
 
 /// Mutates the command line in the first `size` bytes of `data`, within `data`; returns the new size.
 pub fn words(data: &mut [u8], size: usize, seed: u32, flags: Flags) -> usize {
@@ -186,35 +130,23 @@ fn alter_words(lines: &mut Vec<Vec<u8>>, u: &mut Unstructured, flags: Flags) -> 
 
 /// A command line that can work.
 fn begun(u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
-    let words = [
-        *u.choose(&COMMANDS)?,
-        if u.ratio(2, 3)? {
-            "frame.exr"
-        } else {
-            u.choose(&PATHS)?
-        },
-        "-o",
-        if u.ratio(1, 2)? {
-            "out.exr"
-        } else {
-            u.choose(&OUTPUTS)?
-        },
-    ];
-    Ok(words.map(|word| word.as_bytes().to_vec()).into())
+    let from = if u.ratio(2, 3)? { "frame.exr" } else { PATHS };
+    let to = if u.ratio(1, 2)? { "out.exr" } else { OUTPUTS };
+    let words = [COMMANDS, from, "-o", to].into_iter();
+    words.map(|word| Ok(one(word, u)?.into_bytes())).collect()
 }
 
 /// A flag of `command` with a value, usually a valid one.
 fn flag(command: &str, flags: Flags, u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
     let command = PROGRAM.find_subcommand(command).unwrap_or(&PROGRAM);
-    let named = command
-        .get_arguments()
-        .filter(|arg| arg.get_long().is_some());
-    let named: Vec<_> = named
-        .filter(|arg| flags == Flags::Any || !names_a_file(arg))
-        .collect();
-    let Some(arg) = (!named.is_empty()).then(|| u.choose(&named)).transpose()? else {
+    let arguments = command.get_arguments();
+    let named = arguments.filter(|arg| arg.get_long().is_some());
+    let named = named.filter(|arg| flags == Flags::Any || !names_a_file(arg));
+    let named: Vec<_> = named.collect();
+    if named.is_empty() {
         return Ok(Vec::new());
-    };
+    }
+    let arg = u.choose(&named)?;
     let mut words = vec![format!("--{}", arg.get_long().unwrap_or_default())];
     if arg.get_action().takes_values() {
         words.push(value_of(arg, u)?);
@@ -232,39 +164,32 @@ fn value_name(arg: &Arg) -> String {
 
 fn names_a_file(arg: &Arg) -> bool {
     let name = value_name(arg);
-    ["FILE", "DIR", "LIST", "JSON"]
-        .iter()
-        .any(|file| name.contains(file))
+    let files = ["FILE", "DIR", "LIST", "JSON"];
+    files.iter().any(|file| name.contains(file))
 }
 
 fn value_of(arg: &Arg, u: &mut Unstructured) -> Result<String> {
     let possible = arg.get_possible_values();
     let name = value_name(arg);
+    let commas = |end| {
+        name.split(end)
+            .next()
+            .unwrap_or_default()
+            .matches(',')
+            .count()
+    };
+    let is_written = ["output", "save-recipe", "timings"]
+        .map(Some)
+        .contains(&arg.get_long());
     Ok(match () {
         () if u.ratio(1, 20)? => value(u)?,
         () if !possible.is_empty() => u.choose(&possible)?.get_name().into(),
-        () if ["output", "save-recipe", "timings"]
-            .contains(&arg.get_long().unwrap_or_default()) =>
-        {
-            (*u.choose(&OUTPUTS)?).into()
-        }
-        () if name.contains("LIST") => list(u)?,
-        () if names_a_file(arg) => (*u.choose(&PATHS)?).into(),
+        () if is_written => one(OUTPUTS, u)?,
+        () if name.contains("LIST") => one(LISTS, u)?,
+        () if names_a_file(arg) => one(PATHS, u)?,
         // As many numbers as in the name of the value.
         () => {
-            let commas = name
-                .split('|')
-                .next()
-                .unwrap_or_default()
-                .matches(',')
-                .count();
-            let least = name
-                .split('[')
-                .next()
-                .unwrap_or_default()
-                .matches(',')
-                .count();
-            let count = u.int_in_range(least..=commas)? + 1;
+            let count = u.int_in_range(commas('[')..=commas('|'))? + 1;
             let numbers: Result<Vec<_>> = (0..count).map(|_| number(u)).collect();
             numbers?.join(",")
         }
@@ -273,153 +198,95 @@ fn value_of(arg: &Arg, u: &mut Unstructured) -> Result<String> {
 
 /// Any value.
 fn value(u: &mut Unstructured) -> Result<String> {
-    Ok(match u.int_in_range(0..=5)? {
-        0 => (*u.choose(&PATHS)?).into(),
-        1 => (*u.choose(&OUTPUTS)?).into(),
-        2 => list(u)?,
-        3 => [
-            "auto",
-            "none",
-            "''",
-            "-",
-            "--",
-            "-q",
-            "N=1,2",
-            "\u{1b}[31m",
-            "\u{202e}x",
-            "é",
-            "0.3mm",
-        ][u.choose_index(11)?]
-        .into(),
-        _ => number(u)?,
-    })
-}
-
-fn list(u: &mut Unstructured) -> Result<String> {
-    let lists = [
-        "1-3",
-        "1",
-        "1-9y1",
-        "1-3x2",
-        "3-1",
-        "2:",
-        "-5--1",
-        "1-100000",
-        "1,1",
-        "0-4294967296",
-        "1-3x0",
-    ];
-    Ok((*u.choose(&lists)?).into())
+    match u.int_in_range(0..=5)? {
+        0 => one(PATHS, u),
+        1 => one(OUTPUTS, u),
+        2 => one(LISTS, u),
+        3 => one(WORDS, u),
+        _ => number(u),
+    }
 }
 
 /// A number: ordinary, hostile, or of any bits.
 fn number(u: &mut Unstructured) -> Result<String> {
     Ok(match u.int_in_range(0..=7)? {
-        0 => format!("{}", f32::arbitrary(u)?),
-        1 | 2 => format!("{}", u.int_in_range(0..=100)?),
-        3 | 4 => format!("{}", f32::from(u8::arbitrary(u)?) / 255.0),
-        _ => (*u.choose(&NUMBERS)?).into(),
+        0 => f32::arbitrary(u)?.to_string(),
+        1 | 2 => u.int_in_range(0..=100)?.to_string(),
+        3 | 4 => (f32::from(u8::arbitrary(u)?) / 255.0).to_string(),
+        _ => one(NUMBERS, u)?,
     })
 }
 
 /// A number representable in JSON.
 fn json_number(u: &mut Unstructured) -> Result<String> {
-    let hostile = [
-        "1e-300", "1e300", "-1e300", "1e-45", "1e38", "1e39", "0", "-0.0", "5e-324", "1.7e308",
-        "1", "12", "-7",
-    ];
     Ok(match u.int_in_range(0..=2)? {
-        0 => format!(
-            "{:e}",
-            Some(f64::arbitrary(u)?)
-                .filter(|v| v.is_finite())
-                .unwrap_or(30.0)
-        ),
-        1 => format!("{}", u.int_in_range(1..=100)?),
-        _ => (*u.choose(&hostile)?).into(),
+        0 => match f64::arbitrary(u)? {
+            finite if finite.is_finite() => format!("{finite:e}"),
+            _ => "30".into(),
+        },
+        1 => u.int_in_range(1..=100)?.to_string(),
+        _ => one(IN_JSON, u)?,
     })
 }
 
 /// A camera file: well-formed, with hostile numbers.
 fn camera(u: &mut Unstructured) -> Result<String> {
+    let lens = one("intrinsics_px focal_px pixels_per_unit", u)?;
+    let pair = ["principal_point_px", "resolution"];
     let mut keys = Vec::new();
-    let lens = ["focal_px", "pixels_per_unit"];
-    match u.int_in_range(0..=2)? {
-        0 => {
-            let [fx, fy, cx, cy] = [
-                json_number(u)?,
-                json_number(u)?,
-                json_number(u)?,
-                json_number(u)?,
-            ];
-            keys.push(format!(
-                "\"intrinsics_px\": {{\"fx\": {fx}, \"fy\": {fy}, \"cx\": {cx}, \"cy\": {cy}}}"
-            ));
+    for (key, form, is_there) in [
+        (&lens[..], "#", lens != "intrinsics_px"),
+        (
+            &lens,
+            "{\"fx\": #, \"fy\": #, \"cx\": #, \"cy\": #}",
+            lens == "intrinsics_px",
+        ),
+        (pair[0], "[#, #]", u.ratio(1, 3)?),
+        (pair[1], "[#, #]", u.ratio(1, 3)?),
+        (
+            "camera_type",
+            &format!("\"{}\"", one("PERSP ORTHO PANO ", u)?),
+            u.ratio(1, 3)?,
+        ),
+        (
+            "world_to_camera",
+            MATRICES[usize::from(u.ratio(3, 4)?)],
+            u.ratio(1, 2)?,
+        ),
+    ] {
+        if is_there {
+            keys.push(format!("\"{key}\": {}", with_numbers(form, u)?));
         }
-        kind => keys.push(format!("\"{}\": {}", lens[kind - 1], json_number(u)?)),
-    }
-    if u.ratio(1, 3)? {
-        keys.push(format!(
-            "\"principal_point_px\": [{}, {}]",
-            json_number(u)?,
-            json_number(u)?
-        ));
-    }
-    if u.ratio(1, 3)? {
-        keys.push(format!(
-            "\"resolution\": [{}, {}]",
-            json_number(u)?,
-            json_number(u)?
-        ));
-    }
-    if u.ratio(1, 3)? {
-        keys.push(format!(
-            "\"camera_type\": \"{}\"",
-            u.choose(&["PERSP", "ORTHO", "PANO", ""])?
-        ));
-    }
-    if u.ratio(1, 2)? {
-        keys.push(format!("\"world_to_camera\": {}", matrix(u)?));
     }
     Ok(format!("{{{}}}", keys.join(", ")))
 }
 
-/// A turn about z, scaled and moved, or any sixteen numbers.
-fn matrix(u: &mut Unstructured) -> Result<String> {
-    let rigid = u.ratio(3, 4)?;
-    let scale = json_number(u)?;
-    let mut rows = Vec::new();
-    for row in 0..4 {
-        let mut cells = Vec::new();
-        for column in 0..4 {
-            cells.push(match (rigid, row, column) {
-                (true, 3, 3) => "1".into(),
-                (true, 3, _) => "0".into(),
-                (true, r, c) if r == c => scale.clone(),
-                (true, _, 3) | (false, ..) => json_number(u)?,
-                (true, ..) => "0".into(),
-            });
-        }
-        rows.push(format!("[{}]", cells.join(", ")));
+/// Any sixteen numbers; a frame that is scaled by one number, `@`, and moved.
+const MATRICES: [&str; 2] = [
+    "[[#, #, #, #], [#, #, #, #], [#, #, #, #], [#, #, #, #]]",
+    "[[@, 0, 0, #], [0, @, 0, #], [0, 0, @, #], [0, 0, 0, 1]]",
+];
+
+/// The text with a number for each `#`, and one for all `@`.
+fn with_numbers(form: &str, u: &mut Unstructured) -> Result<String> {
+    let mut text = form.replace('@', &json_number(u)?);
+    while text.contains('#') {
+        text = text.replacen('#', &json_number(u)?, 1);
     }
-    Ok(format!("[{}]", rows.join(", ")))
+    Ok(text)
 }
 
 /// A recipe with some settings of its command.
 fn recipe(u: &mut Unstructured) -> Result<String> {
-    let name = *u.choose(&["shape", "enhance", "relight", "hatch", "report"])?;
+    let name = one("shape enhance relight hatch report", u)?;
     let mut text = format!("version = 1\ncommand = \"{name}\"\n");
     for _ in 0..u.int_in_range(0..=4)? {
-        let flag = flag(name, Flags::Any, u)?;
+        let flag = flag(&name, Flags::Any, u)?;
         let mut flag = flag.iter().map(|word| String::from_utf8_lossy(word));
         let key = flag.next().unwrap_or_default();
         let value = flag.next().unwrap_or_else(|| "true".into());
-        let quoted = if u.ratio(1, 2)? {
-            format!("\"{value}\"")
-        } else {
-            value.into()
-        };
-        text += &format!("{} = {quoted}\n", key.trim_start_matches('-'));
+        let quote = if u.ratio(1, 2)? { "\"" } else { "" };
+        text += &format!("{} = {quote}{value}{quote}\n", key.trim_start_matches('-'));
     }
     Ok(text)
 }

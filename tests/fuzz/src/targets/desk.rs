@@ -1,5 +1,6 @@
 //! A folder of small files to run command lines in, with the invariants to check after each.
 
+use image::{DynamicImage, ImageFormat};
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
     ChannelId, ExrFile, Limits, OutputChannel, OutputCompression, OutputPart, OutputType,
@@ -60,9 +61,8 @@ impl Desk {
     pub(super) fn run(&self, words: &[&[u8]], extra: &[u8]) {
         // A report takes seconds at least, and help ignores everything else.
         let left_out = [&b"report"[..], b"--help", b"--help-all", b"-h"];
-        if !words.iter().all(|word| stays_here(word))
-            || words.iter().any(|word| left_out.contains(word))
-        {
+        let is_run = |word: &&[u8]| stays_here(word) && !left_out.contains(word);
+        if !words.iter().all(is_run) {
             return;
         }
         // The runner of the target has relative paths too.
@@ -75,10 +75,8 @@ impl Desk {
         let line = program.iter().chain(words);
         let code = relievo::cli::run_words(line.map(|word| OsString::from_vec(word.to_vec())));
         assert!((0..=3).contains(&code), "exit code {code}");
-        assert!(
-            code != 0 || !named.writes_twice(),
-            "two outputs in one file"
-        );
+        let twice = code == 0 && named.writes_twice();
+        assert!(!twice, "two outputs in one file");
         let given = (PathBuf::from(EXTRA), Thing::File(extra.to_vec()));
         for (path, thing) in self.things.iter().chain([(&given.0, &given.1)]) {
             let input = named.inputs.iter().any(|input| path.starts_with(input));
@@ -88,9 +86,7 @@ impl Desk {
         for path in all_in(Path::new(".")) {
             let is_new = self.things.get(&path) != Some(&look(&path));
             // These two may have any name.
-            let is_text = [recipe, timings]
-                .into_iter()
-                .any(|p| p.as_ref() == Some(&path));
+            let is_text = [recipe, timings].contains(&&Some(path.clone()));
             if is_new && path != given.0 && !is_text {
                 // Inputs are as they were. Large ones take seconds to look through, and few runs make an output.
                 check_output(&path, code == 0 && !named.holds_infinities());
@@ -216,37 +212,31 @@ impl Named {
 
     /// Whether an input has samples that are not finite.
     fn holds_infinities(&self) -> bool {
-        let planes = self
-            .inputs
-            .iter()
-            .flat_map(|path| samples(path).unwrap_or_default());
-        !planes.into_iter().all(|plane| is_finite(&plane))
+        let inputs = self.inputs.iter();
+        let mut planes = inputs.flat_map(|path| samples(path).unwrap_or_default());
+        planes.any(|plane| !is_finite(&plane))
     }
 }
 
 /// The actual or future path of a file, without links and detours.
 fn place(path: &Path) -> PathBuf {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).unwrap_or_default();
+    // Of a bare name the folder is empty.
+    let folder = Path::new(".").join(path.parent().unwrap_or(Path::new("")));
+    let folder = fs::canonicalize(folder).unwrap_or_default();
     fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()))
 }
 
 /// The things on the desk named by `name`: one, or all of a sequence.
 fn on_the_desk(name: &str) -> Vec<PathBuf> {
     if name.contains('#') || name.contains("%0") {
-        let shots = all_in(Path::new("."));
-        return shots.into_iter().filter(|p| is_shot(p)).collect();
+        let mut all = all_in(Path::new("."));
+        all.retain(|path| path.to_string_lossy().starts_with("shot."));
+        return all;
     }
     let here = fs::canonicalize(".").expect("the desk is there");
     let found = fs::canonicalize(name).ok().filter(|path| *path != here);
     let inside = found.and_then(|path| path.strip_prefix(&here).ok().map(Path::to_path_buf));
     inside.into_iter().collect()
-}
-
-fn is_shot(path: &Path) -> bool {
-    path.to_string_lossy().starts_with("shot.")
 }
 
 fn is_finite(plane: &Plane) -> bool {
@@ -277,10 +267,8 @@ fn check_output(path: &Path, finite: bool) {
         return;
     }
     assert!(is_whole(path), "{path:?} is not whole");
-    if [".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr"]
-        .iter()
-        .any(|e| name.ends_with(e))
-    {
+    let known = [".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr"];
+    if known.iter().any(|end| name.ends_with(end)) {
         let planes = samples(path).unwrap_or_else(|error| panic!("{error}"));
         let all_finite = planes.iter().all(is_finite);
         assert!(!finite || all_finite, "{path:?} holds NaN or infinity");
@@ -289,35 +277,29 @@ fn check_output(path: &Path, finite: bool) {
 
 /// Content of the desk before every run.
 fn things() -> BTreeMap<PathBuf, Thing> {
-    let frame = frame(0);
-    let torn = frame[..frame.len() / 2].to_vec();
-    let files: Vec<(&[u8], Vec<u8>)> = vec![
-        (b"frame.exr", frame.clone()),
-        (b"shot.0001.exr", self::frame(1)),
-        (b"shot.0002.exr", self::frame(2)),
-        (b"shot.0003.exr", self::frame(3)),
-        (b"torn.exr", torn),
-        (b"spoiled.exr", spoiled()),
-        (b"wild.exr", wild()),
-        (b"esc\x1b]0;x\x07.exr", frame.clone()),
-        (b"bytes\xff\xfe.exr", frame),
-        (b"plain.png", picture("png", SIZE)),
+    let plain = picture("png", SIZE);
+    let look = b"version = 1\ncommand = \"relight\"\nlight = \"135,40\"\n";
+    let files: [(&[u8], Vec<u8>); 18] = [
+        (b"frame.exr", frame(0)),
+        (b"shot.0001.exr", frame(1)),
+        (b"shot.0002.exr", frame(2)),
+        (b"shot.0003.exr", frame(3)),
+        (b"torn.exr", frame(0)[..frame(0).len() / 2].to_vec()),
+        (b"spoiled.exr", exr(&["Z"], &spoiled)),
+        (b"wild.exr", exr(&["A", "mask", "occ"], &wild)),
+        (b"esc\x1b]0;x\x07.exr", frame(0)),
+        (b"bytes\xff\xfe.exr", frame(0)),
+        (b"plain.png", plain.clone()),
         (b"photo.jpg", picture("jpg", SIZE)),
         (b"scan.tif", picture("tif", SIZE)),
         (b"sky.hdr", picture("hdr", [16, 8])),
         (b"ball.png", picture("png", [16, 16])),
-        (b"st/1.png", picture("png", SIZE)),
-        (b"st/2.png", picture("png", SIZE)),
+        (b"st/1.png", plain.clone()),
+        (b"st/2.png", plain),
         (b"camera.json", b"{\"focal_px\": 30}".to_vec()),
-        (
-            b"look.toml",
-            b"version = 1\ncommand = \"relight\"\nlight = \"135,40\"\n".to_vec(),
-        ),
+        (b"look.toml", look.to_vec()),
     ];
-    let files = files.into_iter().map(|(name, bytes)| {
-        let path = PathBuf::from(OsString::from_vec(name.to_vec()));
-        (path, Thing::File(bytes))
-    });
+    let files = files.map(|(name, bytes)| (OsString::from_vec(name.to_vec()), Thing::File(bytes)));
     let others = [
         ("st", Thing::Folder),
         ("sub", Thing::Folder),
@@ -325,8 +307,9 @@ fn things() -> BTreeMap<PathBuf, Thing> {
         ("astray.exr", Thing::Link("nowhere.exr".into())),
         ("pipe", Thing::Pipe),
     ];
-    let others = others.map(|(name, thing)| (PathBuf::from(name), thing));
-    files.chain(others).collect()
+    let others = others.map(|(name, thing)| (name.into(), thing));
+    let all = files.into_iter().chain(others);
+    all.map(|(name, thing)| (name.into(), thing)).collect()
 }
 
 /// A frame of bumps, `number` of a sequence.
@@ -347,45 +330,39 @@ fn frame(number: usize) -> Vec<u8> {
     })
 }
 
-/// A frame with one sample in five that is not finite, in every layer.
-fn spoiled() -> Vec<u8> {
-    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-    exr(
-        &["Z"],
-        &|channel, x, y| match (x + 3 * y + channel.len()) % 5 {
-            0 => bad[(x + y) % 3],
-            _ => 0.5,
-        },
-    )
+/// One sample in five that is not finite, in every layer.
+fn spoiled(channel: &str, x: usize, y: usize) -> f32 {
+    match (x + 3 * y + channel.len()) % 5 {
+        0 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][(x + y) % 3],
+        _ => 0.5,
+    }
 }
 
-/// A frame whose coverage, and the maps of which are named by flags, are far beyond 0 and 1.
-fn wild() -> Vec<u8> {
-    let wild = [1e10, -1e30, 1e38, 65504.0, -0.5, 2.0];
-    exr(&["A", "mask", "occ"], &|channel, x, y| match channel {
-        "A" | "mask" | "occ" if x * y % 5 == 0 => wild[(x + 3 * y) % 6],
+/// Coverage, and maps which are named by flags, far beyond 0 and 1.
+fn wild(channel: &str, x: usize, y: usize) -> f32 {
+    match channel {
+        "A" | "mask" | "occ" if (x * y).is_multiple_of(5) => {
+            [1e10, -1e30, 1e38, 65504.0, -0.5, 2.0][(x + 3 * y) % 6]
+        }
         "A" | "mask" | "occ" => f32::from(u8::from(x > SIZE[0] / 3)),
         "N.X" | "N.Y" => 0.0,
         "N.Z" => 1.0,
         _ => 0.5,
-    })
+    }
 }
 
 /// A frame with normals, a picture and these channels.
 fn exr(more: &[&str], sample: &dyn Fn(&str, usize, usize) -> f32) -> Vec<u8> {
     let [width, height] = SIZE;
-    let names = ["R", "G", "B", "N.X", "N.Y", "N.Z"].iter().chain(more);
-    let names: Vec<_> = names.copied().collect();
+    let names = [&["R", "G", "B", "N.X", "N.Y", "N.Z"][..], more].concat();
     let plane = |n: &&str| Plane::from_fn(width, height, |x, y| sample(n, x, y));
     let planes: Vec<_> = names.iter().map(plane).collect();
-    let channels = names
-        .iter()
-        .zip(&planes)
-        .map(|(name, plane)| OutputChannel {
-            name: (*name).into(),
-            plane,
-            sample_type: OutputType::Float,
-        });
+    let channels = names.iter().zip(&planes);
+    let channels = channels.map(|(name, plane)| OutputChannel {
+        name: (*name).into(),
+        plane,
+        sample_type: OutputType::Float,
+    });
     let part = OutputPart {
         name: "shot".into(),
         data_window: Window::from_size(width, height),
@@ -409,15 +386,14 @@ fn picture(extension: &str, [width, height]: [usize; 2]) -> Vec<u8> {
         image::Rgb([byte(x, width), byte(y, height), 240])
     };
     let picture = image::RgbImage::from_fn(width as u32, height as u32, pixel);
-    let picture = image::DynamicImage::ImageRgb8(picture);
-    let format = image::ImageFormat::from_extension(extension).expect("a known extension");
+    let picture = DynamicImage::ImageRgb8(picture);
+    let format = ImageFormat::from_extension(extension).expect("a known extension");
     let picture = match format {
-        image::ImageFormat::Hdr => image::DynamicImage::ImageRgb32F(picture.to_rgb32f()),
+        ImageFormat::Hdr => DynamicImage::ImageRgb32F(picture.to_rgb32f()),
         _ => picture,
     };
     let mut file = Cursor::new(Vec::new());
-    picture
-        .write_to(&mut file, format)
-        .expect("a picture can be written");
+    let written = picture.write_to(&mut file, format);
+    written.expect("a picture can be written");
     file.into_inner()
 }
