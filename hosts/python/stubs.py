@@ -1,4 +1,4 @@
-"""Writes python/pyrelievo/__init__.pyi from the settings that the module itself has.
+"""Writes python/pyrelievo/__init__.pyi from the settings that the module itself has; what takes none is typed where it is.
 
 python stubs.py            write it
 python stubs.py --check    fail if it is another
@@ -17,14 +17,18 @@ STUB = Path(__file__).parent / "python/pyrelievo/__init__.pyi"
 
 HEAD = '''\
 # Written by stubs.py from the table of settings. Not to be edited.
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._relievo import Engine
+from ._commands import process as process
+from ._frame import Finding as Finding, Frame as Frame, load as load, normals as normals
+from ._recipe import Recipe as Recipe
+from ._relievo import Engine as Engine
+from ._results import Drawing as Drawing, Shape as Shape
 
 __all__ = {all}
 
@@ -33,103 +37,6 @@ _Path: TypeAlias = str | PathLike[str]
 # What a setting takes that is neither a switch, a word nor a number: as typed, or as its parts.
 _Value: TypeAlias = str | float | bool | Sequence[Any] | Mapping[str, Any]
 
-class Finding(NamedTuple):
-    subject: str
-    conclusion: str
-    evidence: str
-    flag: str
-
-class Frame:
-    def __init__(
-        self,
-        color: ArrayLike | None = None,
-        normal: ArrayLike | None = None,
-        *,
-        camera: Mapping[str, Any] | _Path | None = None,
-        pixel_aspect: float = 1.0,
-        height_scale: float | None = None,
-        **layers: Any,
-    ) -> None: ...
-    @property
-    def color(self) -> _Floats | None: ...
-    @property
-    def normal(self) -> _Floats: ...
-    @property
-    def depth(self) -> _Floats | None: ...
-    @property
-    def alpha(self) -> _Floats | None: ...
-    @property
-    def albedo(self) -> _Floats | None: ...
-    @property
-    def mask(self) -> NDArray[np.bool_]: ...
-    @property
-    def shape(self) -> tuple[int, int]: ...
-    @property
-    def findings(self) -> list[Finding]: ...
-    @property
-    def warnings(self) -> list[str]: ...
-    @property
-    def camera(self) -> str | None: ...
-    @property
-    def path(self) -> str | None: ...
-
-def load(path: _Path, *, frame: int | None = None, **roles: Any) -> Frame: ...
-def normals(
-    depth: ArrayLike,
-    camera: Mapping[str, Any] | _Path | None = None,
-    *,
-    depth_kind: str | None = "z",
-    pixel_aspect: float = 1.0,
-) -> _Floats: ...
-
-class Shape:
-    scales: dict[float, Shape]
-    choices: dict[str, str]
-    def __init__(self, layers: dict[str, _Floats], choices: dict[str, str] | None = None) -> None: ...
-    def __getattr__(self, name: str) -> _Floats: ...
-    def __iter__(self) -> Iterator[str]: ...
-    def __getitem__(self, name: str) -> _Floats: ...
-    def __dir__(self) -> list[str]: ...
-
-class Drawing:
-    paper: _Floats
-    choices: dict[str, str]
-    def __init__(self, made: Any, lines: Any) -> None: ...
-    def svg(self) -> str: ...
-    def __getattr__(self, name: str) -> _Floats: ...
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
-
-class Recipe:
-    command: str
-    def __init__(self, command: str, **settings: Any) -> None: ...
-    @classmethod
-    def read(cls, path: _Path) -> Recipe: ...
-    @classmethod
-    def parse(cls, text: str) -> Recipe: ...
-    @property
-    def settings(self) -> list[tuple[str, str]]: ...
-    def toml(self) -> str: ...
-    def write(self, path: _Path) -> None: ...
-    def __call__(
-        self,
-        *arrays: Any,
-        out: _Floats | None = None,
-        dtype: Any = None,
-        engine: Engine | None = None,
-        progress: Callable[[str, float], Any] | None = None,
-        **settings: Any,
-    ) -> Any: ...
-
-def process(
-    pattern: _Path,
-    command: str,
-    *,
-    frames: Any = None,
-    engine: Engine | None = None,
-    progress: Callable[[int, int], Any] | None = None,
-    roles: Mapping[str, Any] | None = None,
-    **settings: Any,
-) -> Iterator[tuple[int, Any]]: ...
 '''
 
 RETURNS = {

@@ -5,7 +5,7 @@ use half::f16;
 use ndarray::ArrayView3;
 use ndarray::{Axis, Ix3};
 use numpy::{
-    Element, PyArray1, PyArray3, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
+    Element, PyArray1, PyArray3, PyArrayDescr, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
     PyReadonlyArrayDyn, PyReadwriteArray3, PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -14,23 +14,55 @@ use rayon::prelude::*;
 use relievo::frame::{Plane, Samples};
 use relievo::io::srgb::decoded;
 
-/// An array of a caller, rows by columns, or by channels too, kept from being written to from Rust.
-pub(crate) enum Borrowed<'py> {
-    F32(PyReadonlyArrayDyn<'py, f32>),
-    F16(PyReadonlyArrayDyn<'py, f16>),
-    U8(PyReadonlyArrayDyn<'py, u8>),
-    U16(PyReadonlyArrayDyn<'py, u16>),
-    Bool(PyReadonlyArrayDyn<'py, bool>),
+/// What holds for an array of any of these types.
+macro_rules! of_types {
+    ($($kind:ident: $type:ty),*) => {
+        /// An array of a caller, rows by columns, or by channels too, kept from being written to from Rust.
+        pub(crate) enum Borrowed<'py> {
+            $($kind(PyReadonlyArrayDyn<'py, $type>)),*
+        }
+
+        /// The same as a view that needs no interpreter.
+        pub(crate) enum View<'a> {
+            $($kind(ArrayView3<'a, $type>)),*
+        }
+
+        impl<'py> Borrowed<'py> {
+            /// Borrows `array` where it holds one of the types.
+            fn typed(array: &Bound<'py, PyAny>, held: &Bound<'py, PyArrayDescr>) -> PyResult<Option<Self>> {
+                $(if held.is_equiv_to(&dtype::<$type>(array.py())) {
+                    return Ok(Some(Self::$kind(borrowed(array)?)));
+                })*
+                Ok(None)
+            }
+
+            pub(crate) fn view(&self) -> View<'_> {
+                match self {
+                    $(Self::$kind(array) => View::$kind(three_axes(array))),*
+                }
+            }
+        }
+
+        impl<'a> View<'a> {
+            /// Columns and rows.
+            pub(crate) fn size(&self) -> [usize; 2] {
+                let (rows, columns, _) = match self {
+                    $(Self::$kind(view) => view.dim()),*
+                };
+                [columns, rows]
+            }
+
+            /// As samples of a frame.
+            pub(crate) fn samples(&'a self) -> Samples<'a> {
+                match self {
+                    $(Self::$kind(view) => view.view().into()),*
+                }
+            }
+        }
+    };
 }
 
-/// The same as a view that needs no interpreter.
-pub(crate) enum View<'a> {
-    F32(ArrayView3<'a, f32>),
-    F16(ArrayView3<'a, f16>),
-    U8(ArrayView3<'a, u8>),
-    U16(ArrayView3<'a, u16>),
-    Bool(ArrayView3<'a, bool>),
-}
+of_types!(F32: f32, F16: f16, U8: u8, U16: u16, Bool: bool);
 
 impl<'py> Borrowed<'py> {
     /// Borrows `array`, called `name` in errors.
@@ -44,47 +76,12 @@ impl<'py> Borrowed<'py> {
             return Err(PyValueError::new_err(said));
         }
         let held = untyped.dtype();
-        let is = |other: &Bound<'py, _>| held.is_equiv_to(other);
-        let py = array.py();
-        Ok(if is(&dtype::<f32>(py)) {
-            Self::F32(borrowed(array)?)
-        } else if is(&dtype::<f16>(py)) {
-            Self::F16(borrowed(array)?)
-        } else if is(&dtype::<u8>(py)) {
-            Self::U8(borrowed(array)?)
-        } else if is(&dtype::<u16>(py)) {
-            Self::U16(borrowed(array)?)
-        } else if is(&dtype::<bool>(py)) {
-            Self::Bool(borrowed(array)?)
-        } else {
+        Self::typed(array, &held)?.ok_or_else(|| {
             let said = format!(
                 "{name} holds {held}; give float32, float16, float64, uint8, uint16 or bool"
             );
-            return Err(PyTypeError::new_err(said));
+            PyTypeError::new_err(said)
         })
-    }
-
-    pub(crate) fn view(&self) -> View<'_> {
-        match self {
-            Self::F32(array) => View::F32(three_axes(array)),
-            Self::F16(array) => View::F16(three_axes(array)),
-            Self::U8(array) => View::U8(three_axes(array)),
-            Self::U16(array) => View::U16(three_axes(array)),
-            Self::Bool(array) => View::Bool(three_axes(array)),
-        }
-    }
-
-    /// Columns and rows.
-    pub(crate) fn size(&self) -> [usize; 2] {
-        let view = self.view();
-        let shape = match &view {
-            View::F32(view) => view.dim(),
-            View::F16(view) => view.dim(),
-            View::U8(view) => view.dim(),
-            View::U16(view) => view.dim(),
-            View::Bool(view) => view.dim(),
-        };
-        [shape.1, shape.0]
     }
 }
 
@@ -113,21 +110,10 @@ fn shape_of(shape: &[usize]) -> String {
     }
 }
 
-impl<'a> View<'a> {
+impl View<'_> {
     /// Whether it holds integers of 0 to the largest one.
     pub(crate) fn is_integer(&self) -> bool {
         matches!(self, Self::U8(_) | Self::U16(_))
-    }
-
-    /// As samples of a frame.
-    pub(crate) fn samples(&'a self) -> Samples<'a> {
-        match self {
-            Self::F32(view) => view.view().into(),
-            Self::F16(view) => view.view().into(),
-            Self::U8(view) => view.view().into(),
-            Self::U16(view) => view.view().into(),
-            Self::Bool(view) => view.view().into(),
-        }
     }
 
     /// Colours of integers, which are sRGB, in linear light; alpha is linear as it is. `None` for colours of floats.

@@ -17,37 +17,22 @@ use std::path::{Path, PathBuf};
 /// Runs commands, on the CPU or a GPU, and keeps their memory for the next run.
 #[pyclass(frozen, module = "pyrelievo")]
 pub(crate) struct Engine {
-    backend: Backend,
+    make_backend: Make,
     threads: Option<usize>,
     engine: PerProcess<engine::Engine>,
     pool: PerProcess<ThreadPool>,
 }
 
-#[derive(Clone, Copy)]
-enum Backend {
-    Auto,
-    Cpu,
-    Gpu,
-}
+type Make = fn() -> relievo::Result<engine::Engine>;
 
-impl Backend {
-    fn named(name: &str) -> PyResult<Self> {
-        match name {
-            "auto" => Ok(Self::Auto),
-            "cpu" => Ok(Self::Cpu),
-            "gpu" => Ok(Self::Gpu),
-            other => {
-                let said = format!("backend is {other:?}; give auto, cpu or gpu");
-                Err(PyValueError::new_err(said))
-            }
-        }
-    }
-
-    fn engine(self) -> PyResult<engine::Engine> {
-        match self {
-            Self::Auto => Ok(engine::Engine::auto()),
-            Self::Cpu => Ok(engine::Engine::cpu()),
-            Self::Gpu => engine::Engine::gpu().map_err(raised),
+fn backend_named(name: &str) -> PyResult<Make> {
+    match name {
+        "auto" => Ok(|| Ok(engine::Engine::auto())),
+        "cpu" => Ok(|| Ok(engine::Engine::cpu())),
+        "gpu" => Ok(engine::Engine::gpu),
+        other => {
+            let said = format!("backend is {other:?}; give auto, cpu or gpu");
+            Err(PyValueError::new_err(said))
         }
     }
 }
@@ -62,7 +47,7 @@ impl Engine {
             return Err(PyValueError::new_err(said));
         }
         let engine = Self {
-            backend: Backend::named(backend)?,
+            make_backend: backend_named(backend)?,
             threads: threads.map(usize::from),
             engine: PerProcess::new(),
             pool: PerProcess::new(),
@@ -162,7 +147,7 @@ impl Engine {
 
     /// The engine of this process, and its threads.
     fn own(&self) -> PyResult<(&engine::Engine, &ThreadPool)> {
-        let engine = self.engine.get(|| self.backend.engine())?;
+        let engine = self.engine.get(|| (self.make_backend)().map_err(raised))?;
         let pool = match self.threads {
             Some(threads) => self.pool.get(|| pool_of(threads))?,
             None => own_pool()?,

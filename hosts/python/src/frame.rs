@@ -49,17 +49,14 @@ impl Frame {
             let array = Borrowed::of(&name, &array)?;
             borrowed.push((name, array));
         }
-        let sizes = |wanted: &str| {
-            let named = borrowed.iter().find(|(name, _)| name == wanted);
-            named.map(|(_, array)| array.size())
-        };
+        let views = borrowed
+            .iter()
+            .map(|(name, array)| (&name[..], array.view()));
+        let views: HashMap<_, _> = views.collect();
         // Without any of these there is no surface, and that is said.
         let shown_by = ["normal", "height", "depth", "position"];
-        let size = shown_by.into_iter().find_map(sizes).unwrap_or([0, 0]);
-        let views: HashMap<_, _> = borrowed
-            .iter()
-            .map(|(name, array)| (&name[..], array.view()))
-            .collect();
+        let size = shown_by.into_iter().find_map(|name| views.get(name));
+        let size = size.map_or([0, 0], View::size);
         let scene = detached(py, || {
             let samples = |name| views.get(name).map(View::samples);
             let linear = |name| views.get(name).and_then(View::linear);
@@ -118,11 +115,8 @@ impl Frame {
             "depth" => frame.depth.clone().map(|plane| vec![plane]),
             "alpha" => frame.alpha.clone().map(|plane| vec![plane]),
             "mask" => {
-                let covered = frame
-                    .mask
-                    .plane()
-                    .map(|covered| f32::from(u8::from(covered)));
-                Some(vec![covered])
+                let mask = frame.mask.plane();
+                Some(vec![mask.map(|covered| f32::from(u8::from(covered)))])
             }
             _ => None,
         };

@@ -11,7 +11,7 @@ import OpenEXR
 import pytest
 
 import pyrelievo
-from conftest import FIXTURES
+from conftest import FIXTURES, channels_of
 
 EXAMPLES = FIXTURES.parent / "hosts/python/examples"
 
@@ -88,11 +88,6 @@ def test_a_frame_goes_through_openimageio(tmp_path, bust):
     made = pyrelievo.enhance(pyrelievo.load(bust), scaling=0.8).astype(np.float16)
     for at, end in enumerate("RGB"):
         np.testing.assert_allclose(after[f"relievo.Picture.{end}"], made[..., at], rtol=0, atol=2**-14)
-
-
-def channels_of(path):
-    with OpenEXR.File(str(path), separate_channels=True) as file:
-        return {name: channel.pixels for name, channel in file.parts[0].channels.items()}
 
 
 def test_the_notebook_runs():

@@ -27,19 +27,5 @@ from ._results import Drawing, Shape
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_relievo.forked)
 
-__all__ = [
-    "Drawing",
-    "Engine",
-    "Finding",
-    "Frame",
-    "Recipe",
-    "Shape",
-    "enhance",
-    "hatch",
-    "load",
-    "map",
-    "normals",
-    "process",
-    "relight",
-    "shape",
-]
+__all__ = ["Drawing", "Engine", "Finding", "Frame", "Recipe", "Shape", "enhance", "hatch", "load", "map", "normals", "process"]
+__all__ += ["relight", "shape"]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import _relievo
-from ._frame import LAYERS, Frame, is_named, load
+from ._frame import LAYERS, Frame, Path, is_named, load
 from ._results import Drawing, Shape, views
 from ._settings import INPUTS, Row, rows, typed
 
@@ -214,7 +214,7 @@ map = _function("map")
 
 
 def process(
-    pattern: str | os.PathLike[str],
+    pattern: Path,
     command: str,
     *,
     frames: Any = None,

@@ -6,27 +6,19 @@ import json
 import os
 import warnings
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _relievo
 from ._settings import INPUTS, rows, typed
 
 #: Layers that arrays can be given for.
-LAYERS = (
-    "color",
-    "normal",
-    "depth",
-    "height",
-    "position",
-    "mask",
-    "object",
-    "coverage",
-    "occlusion",
-    "importance",
-    "albedo",
-)
+LAYERS = ("color", "normal", "depth", "height", "position", "mask", "object", "coverage", "occlusion", "importance", "albedo")
+
+Floats: TypeAlias = NDArray[np.float32]
+Path: TypeAlias = str | os.PathLike[str]
 
 
 class Finding(NamedTuple):
@@ -99,10 +91,10 @@ class Frame:
 
     def __init__(
         self,
-        color: Any = None,
-        normal: Any = None,
+        color: ArrayLike | None = None,
+        normal: ArrayLike | None = None,
         *,
-        camera: Any = None,
+        camera: Mapping[str, Any] | Path | None = None,
         pixel_aspect: float = 1.0,
         height_scale: float | None = None,
         **layers: Any,
@@ -126,32 +118,32 @@ class Frame:
         return frame
 
     @property
-    def color(self) -> np.ndarray | None:
+    def color(self) -> Floats | None:
         """The picture, rows x columns x 3, linear; None without one."""
         return self._frame.layer("color")
 
     @property
-    def normal(self) -> np.ndarray:
+    def normal(self) -> Floats:
         """Unit normals in view space, rows x columns x 3; 0 where no surface is."""
         return self._frame.layer("normal")
 
     @property
-    def depth(self) -> np.ndarray | None:
+    def depth(self) -> Floats | None:
         """Depth, rows x columns, larger farther away; None without it."""
         return _plane(self._frame.layer("depth"))
 
     @property
-    def alpha(self) -> np.ndarray | None:
+    def alpha(self) -> Floats | None:
         """Coverage of the picture, rows x columns, 0..1; None without it."""
         return _plane(self._frame.layer("alpha"))
 
     @property
-    def albedo(self) -> np.ndarray | None:
+    def albedo(self) -> Floats | None:
         """The surface's own colour, rows x columns x 3, linear; None without it."""
         return self._frame.layer("albedo")
 
     @property
-    def mask(self) -> np.ndarray:
+    def mask(self) -> NDArray[np.bool_]:
         """Where a surface is: rows x columns of bool."""
         return self._frame.layer("mask")[..., 0] > 0.5
 
@@ -192,7 +184,7 @@ class Frame:
         return _relievo.png(shown, True)
 
 
-def _plane(array: np.ndarray | None) -> np.ndarray | None:
+def _plane(array: Floats | None) -> Floats | None:
     return None if array is None else array[..., 0]
 
 
@@ -205,7 +197,7 @@ def roles_of(values: Mapping[str, Any]) -> list[tuple[str, str]]:
     return typed("shape", values)
 
 
-def load(path: str | os.PathLike[str], *, frame: int | None = None, **roles: Any) -> Frame:
+def load(path: Path, *, frame: int | None = None, **roles: Any) -> Frame:
     """A frame of a file: an EXR with the layers of a render, or a photo with its normal map.
 
     Layers are found as the command line finds them; settings of its group *Inputs* tell otherwise:
@@ -221,12 +213,12 @@ def load(path: str | os.PathLike[str], *, frame: int | None = None, **roles: Any
 
 
 def normals(
-    depth: Any,
-    camera: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    depth: ArrayLike,
+    camera: Mapping[str, Any] | Path | None = None,
     *,
     depth_kind: str | None = "z",
     pixel_aspect: float = 1.0,
-) -> np.ndarray:
+) -> Floats:
     """Normals of the surface that a depth shows: rows x columns x 3, view space, 0 where no surface is.
 
     ``depth`` is rows x columns of distances, along the view axis unless ``depth_kind`` tells otherwise, and 0 where

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any
 
 from . import _relievo
 from ._commands import default_engine, finished, frame_of
+from ._frame import Floats, Path
 from ._settings import typed
 
 
@@ -23,7 +25,7 @@ class Recipe:
         self.command = command
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> Recipe:
+    def read(cls, path: Path) -> Recipe:
         """The recipe of a file, or a preset."""
         return cls._of(os.fspath(path), None)
 
@@ -48,7 +50,7 @@ class Recipe:
         """The text of the recipe."""
         return self._text
 
-    def write(self, path: str | os.PathLike[str]) -> None:
+    def write(self, path: Path) -> None:
         """Writes it to a file."""
         with open(os.fspath(path), "w", encoding="utf-8") as file:
             file.write(self._text)
@@ -56,10 +58,10 @@ class Recipe:
     def __call__(
         self,
         *arrays: Any,
-        out: Any = None,
+        out: Floats | None = None,
         dtype: Any = None,
         engine: _relievo.Engine | None = None,
-        progress: Any = None,
+        progress: Callable[[str, float], Any] | None = None,
         **settings: Any,
     ) -> Any:
         """What the recipe's command makes of a frame or of arrays; settings overrule those of the recipe."""

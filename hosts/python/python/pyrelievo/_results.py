@@ -6,11 +6,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _relievo
+from ._frame import Floats
 
 
-def views(made: _relievo.Made) -> Iterator[tuple[str, float | None, np.ndarray]]:
+def views(made: _relievo.Made) -> Iterator[tuple[str, float | None, Floats]]:
     """The layers of what was made, as views on one buffer: name, further scale, rows x columns or x components."""
     names, buffer = made.layers()
     at = 0
@@ -31,7 +33,7 @@ class Shape:
     scales: dict[float, Shape]
     choices: dict[str, str]
 
-    def __init__(self, layers: dict[str, np.ndarray], choices: dict[str, str] | None = None):
+    def __init__(self, layers: dict[str, Floats], choices: dict[str, str] | None = None):
         self._layers = layers
         self.scales = {}
         self.choices = choices or {}
@@ -44,7 +46,7 @@ class Shape:
             own._layers[name] = view
         return shape
 
-    def __getattr__(self, name: str) -> np.ndarray:
+    def __getattr__(self, name: str) -> Floats:
         try:
             return self.__dict__["_layers"][name]
         except KeyError:
@@ -57,7 +59,7 @@ class Shape:
     def __iter__(self) -> Iterator[str]:
         return iter(self._layers)
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> Floats:
         return self._layers[name]
 
     def __repr__(self) -> str:
@@ -81,7 +83,7 @@ class Drawing:
     choices: dict[str, str]
 
     def __init__(self, made: _relievo.Made, lines: Any):
-        self.paper: np.ndarray = made.picture()[..., 0]
+        self.paper: Floats = made.picture()[..., 0]
         self._layers = {name: view for name, _, view in views(made)}
         self._lines = lines
         self.choices = dict(made.choices)
@@ -90,13 +92,13 @@ class Drawing:
         """The drawing in lines, as the text of an SVG: drawn anew, since lines differ from pixels."""
         return self._lines().svg
 
-    def __getattr__(self, name: str) -> np.ndarray:
+    def __getattr__(self, name: str) -> Floats:
         try:
             return self.__dict__["_layers"][name]
         except KeyError:
             raise AttributeError(f"this drawing has no {name}") from None
 
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.paper, dtype=dtype, copy=True if copy is None else copy)
 
     def __repr__(self) -> str:

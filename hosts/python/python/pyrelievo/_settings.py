@@ -41,6 +41,10 @@ class Row:
         self.words: list[str] = row.get("words", [])
         self.form: str = row.get("form", "")
         self.repeatable: bool = row.get("repeatable", False)
+        # Of a number: the ends of its control, and how that moves between them.
+        self.range: tuple[float, float] = row.get("range", (0, 0))
+        self.logarithmic: bool = row.get("logarithmic", False)
+        self.whole: bool = row.get("whole", False)
         self.default = False if self.kind == "switch" else parsed(row["default"])
 
     def texts(self, value: Any) -> list[str]:
