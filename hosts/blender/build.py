@@ -16,26 +16,18 @@ from pathlib import Path
 SOURCE = Path(__file__).parent / "relievo"
 LICENCE = Path(__file__).parents[2] / "LICENSE-MIT"
 
-#: Platforms of Blender, by what the names of wheels have for them.
-PLATFORMS = {
-    r"linux_x86_64": "linux-x64",
-    r"linux_\d+_\d+_x86_64": "linux-x64",
-    r"linux\d+_x86_64": "linux-x64",
-    r"linux(_\d+_\d+|\d+)?_aarch64": "linux-arm64",
-    r"macosx_\d+_\d+_x86_64": "macos-x64",
-    r"macosx_\d+_\d+_arm64": "macos-arm64",
-    r"win_amd64": "windows-x64",
-    r"win_arm64": "windows-arm64",
-}
+#: Systems and machines of Blender, by what the names of wheels have for them.
+SYSTEMS = {"linux": "linux", "macosx": "macos", "win": "windows"}
+MACHINES = {"x86_64": "x64", "amd64": "x64", "aarch64": "arm64", "arm64": "arm64"}
 
 
 def platform_of(wheel: Path) -> str:
     """The platform of a wheel, as Blender calls it."""
     tag = wheel.stem.split("-")[-1]
-    for pattern, platform in PLATFORMS.items():
-        if re.search(f"{pattern}$", tag):
-            return platform
-    raise SystemExit(f"{wheel.name}: Blender has no platform {tag}")
+    found = re.search(f"({'|'.join(SYSTEMS)})[0-9_]*_({'|'.join(MACHINES)})$", tag)
+    if not found:
+        raise SystemExit(f"{wheel.name}: Blender has no platform {tag}")
+    return f"{SYSTEMS[found[1]]}-{MACHINES[found[2]]}"
 
 
 def versions_of(wheels: list[Path]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from pyrelievo import _relievo
 from pyrelievo._settings import Row, rows
 
 #: Headings of settings that concern files, a camera, or layers that no node has.
@@ -25,24 +24,18 @@ def settings(command: str) -> dict[str, Row]:
     }
 
 
-def ranges(command: str) -> dict[str, dict[str, Any]]:
-    """The rows of the table with ranges of numbers, by keyword."""
-    return {row["name"].replace("-", "_"): row for row in _relievo.settings(command)}
-
-
-def step_of(lowest: float, highest: float, is_logarithmic: bool) -> float:
+def step_of(row: Row) -> float:
     """A power of ten: a hundredth of the range or less; of a logarithmic one, at most its lowest value."""
-    finest = lowest if is_logarithmic else (highest - lowest) / 100
+    lowest, highest = row.range
+    finest = lowest if row.logarithmic else (highest - lowest) / 100
     return 10.0 ** math.floor(math.log10(finest) + 1e-9)
 
 
-def tooltip_of(row: Row, known: dict[str, Any]) -> str:
+def tooltip_of(row: Row) -> str:
     """The sentence of a setting, with what its widget does not show."""
     notes = [f"in {row.unit}"] if row.unit else []
     if row.kind == "number" and not has_number(row):
-        lowest, highest = known["range"]
-        words = "".join(f" or {word}" for word in row.words)
-        notes.append(f"{lowest:g} to {highest:g}{words}")
+        notes.append(f"{row.range[0]:g} to {row.range[1]:g}" + "".join(f" or {word}" for word in row.words))
         if row.default is None:
             notes.append("empty: as if not given")
     elif row.kind == "text" and row.form and not (is_count(row) or words_of(row)):
@@ -67,33 +60,31 @@ def words_of(row: Row) -> list[str]:
     return words if len(words) > len(ways) / 2 and len(words) > 1 else []
 
 
-def widget_of(row: Row, known: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+def widget_of(row: Row) -> tuple[Any, dict[str, Any]]:
     """The type and the options of a widget."""
-    options: dict[str, Any] = {"tooltip": tooltip_of(row, known)}
+    options: dict[str, Any] = {"tooltip": tooltip_of(row), "default": row.default}
+    lowest, highest = row.range
     if row.kind == "choice":
-        return row.words, options | {"default": row.default}
+        return row.words, options
     if row.kind == "switch":
-        return "BOOLEAN", options | {"default": row.default}
+        return "BOOLEAN", options
+    if has_number(row) and row.whole:
+        return "INT", options | {"min": int(lowest), "max": int(highest), "step": 1}
     if has_number(row):
-        lowest, highest = known["range"]
-        if known.get("whole"):
-            return "INT", options | {"default": row.default, "min": int(lowest), "max": int(highest), "step": 1}
-        step = step_of(lowest, highest, known.get("logarithmic", False))
-        options |= {"default": float(row.default), "min": lowest, "max": highest, "step": step}
+        options |= {"default": float(row.default), "min": lowest, "max": highest, "step": step_of(row)}
         # Values between the steps can be typed.
         return "FLOAT", options | {"round": False}
     if is_count(row):
-        return "INT", options | {"default": row.default, "min": 0, "max": 2**31 - 1}
+        return "INT", options | {"min": 0, "max": 2**31 - 1}
     if words := words_of(row):
-        return words, options | {"default": row.default}
+        return words, options
     default = "" if row.default is None else str(row.default)
     return "STRING", options | {"default": default, "placeholder": row.form or row.name}
 
 
 def widgets(command: str) -> dict[str, tuple[Any, dict[str, Any]]]:
     """The widgets of a command by keyword, in the order of its help."""
-    known = ranges(command)
-    return {keyword: widget_of(row, known[keyword]) for keyword, row in settings(command).items()}
+    return {keyword: widget_of(row) for keyword, row in settings(command).items()}
 
 
 def given(command: str, values: dict[str, Any]) -> dict[str, Any]:
@@ -105,7 +96,6 @@ def given(command: str, values: dict[str, Any]) -> dict[str, Any]:
             value = value.strip()
             if row.repeatable:
                 value = value.split()
-        default = widget_of(row, ranges(command)[keyword])[1]["default"]
-        if value not in (None, "", [], default):
+        if value not in (None, "", [], widget_of(row)[1]["default"]):
             found[keyword] = value
     return found

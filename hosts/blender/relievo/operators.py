@@ -140,6 +140,21 @@ def made_of(scene: bpy.types.Scene, recipe: pyrelievo.Recipe, path: Path, number
     return made, [sentence(Warning(said), file) for said in warnings]
 
 
+def made_of_render(scene: bpy.types.Scene, recipe: pyrelievo.Recipe) -> Any:
+    """Steps that make what a recipe makes of the last render."""
+    with saved_render(scene) as path:
+        return (yield from made_of(scene, recipe, path))
+
+
+@contextmanager
+def saved_render(scene: bpy.types.Scene) -> Iterator[Path]:
+    """The file of the last render's passes, as long as it is needed."""
+    with passes.temporary_folder() as folder:
+        path = folder / "passes.exr"
+        passes.save_passes(scene, path)
+        yield path
+
+
 class RELIEVO_OT_bring_out(Stepped, bpy.types.Operator):
     """Bring out the shape in the last render, and show it in the Image Editor"""
 
@@ -148,12 +163,7 @@ class RELIEVO_OT_bring_out(Stepped, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        scene = context.scene
-        recipe = settings.recipe_of(scene)
-        with passes.temporary_folder() as folder:
-            path = folder / "passes.exr"
-            passes.save_passes(scene, path)
-            made, warnings = yield from made_of(scene, recipe, path)
+        made, warnings = yield from made_of_render(context.scene, settings.recipe_of(context.scene))
         self.warn(warnings)
         images = [results.image_of(result) for result in made]
         if results.show(context, images[0]) is None:
@@ -289,11 +299,7 @@ class RELIEVO_OT_curvature(Stepped, bpy.types.Operator):
         scene = context.scene
         own = settings.given(scene, scene.relievo.command)
         shape = {name: value for name, value in own.items() if name in settings.shown_rows("shape")}
-        recipe = pyrelievo.Recipe("shape", **shape)
-        with passes.temporary_folder() as folder:
-            path = folder / "passes.exr"
-            passes.save_passes(scene, path)
-            made, warnings = yield from made_of(scene, recipe, path)
+        made, warnings = yield from made_of_render(scene, pyrelievo.Recipe("shape", **shape))
         self.warn(warnings)
         results.show(context, results.image_of(made[0]))
 
@@ -301,9 +307,7 @@ class RELIEVO_OT_curvature(Stepped, bpy.types.Operator):
 def drawn_lines(scene: bpy.types.Scene) -> str:
     """The last render, drawn in lines: the text of an SVG."""
     recipe = pyrelievo.Recipe("hatch", **settings.given(scene, "hatch"))
-    with passes.temporary_folder() as folder:
-        path = folder / "passes.exr"
-        passes.save_passes(scene, path)
+    with saved_render(scene) as path:
         try:
             return recipe(pyrelievo.load(path)).svg()
         except MENDABLE as error:

@@ -21,14 +21,11 @@ BETWEEN = ";"
 
 
 class Slider(NamedTuple):
-    """A number as a control: its range, and what a checkbox leaves it to."""
+    """A number as a control."""
 
-    first: float
-    last: float
-    is_whole: bool
     #: Where the control starts.
     start: float
-    #: What the checkbox says; None without one.
+    #: What a checkbox beside it says, which leaves it to a word or the command; None without one.
     unset: str | None
     is_unset: bool
 
@@ -42,20 +39,18 @@ def shown_rows(command: str) -> dict[str, Row]:
 @cache
 def sliders(command: str) -> dict[str, Slider]:
     """The settings of a command that are numbers, by keyword."""
-    ranges = {raw["name"]: raw for raw in _relievo.settings(command)}
-    numbers = (row for row in shown_rows(command).values() if row.kind == "number")
-    return {row.keyword: slider(ranges[row.name], row) for row in numbers}
+    return {name: slider(row) for name, row in shown_rows(command).items() if row.kind == "number"}
 
 
-def slider(raw: dict[str, Any], row: Row) -> Slider:
+def slider(row: Row) -> Slider:
     """A number of the table as a control."""
-    first, last = raw["range"]
+    first, last = row.range
     is_given = isinstance(row.default, (int, float))
-    middle = math.sqrt(first * last) if raw["logarithmic"] else (first + last) / 2
+    middle = math.sqrt(first * last) if row.logarithmic else (first + last) / 2
     start = row.default if is_given else middle
     # Without a word of its own, a number that isn't given is chosen by the command all the same.
     unset = None if is_given and not row.words else (*row.words, "auto")[0]
-    return Slider(first, last, raw["whole"], round(start) if raw["whole"] else start, unset, not is_given)
+    return Slider(round(start) if row.whole else start, unset, not is_given)
 
 
 def unset_of(keyword: str) -> str:
@@ -69,23 +64,16 @@ def label_of(row: Row) -> str:
     return f"{words[0].upper()}{words[1:]}" + (f" ({row.unit})" if row.unit else "")
 
 
-def number_property(row: Row, number: Slider) -> Any:
+def number_property(row: Row, start: float) -> Any:
     """The property of a number, whose range is that of a slider: further values can be typed."""
+    first, last = row.range
     said = {"name": label_of(row), "description": row.help}
-    if number.is_whole:
-        ends = {"soft_min": int(number.first), "soft_max": int(number.last)}
-        return IntProperty(default=int(number.start), **ends, **said)
-    finest = number.first if number.first > 0 else (number.last - number.first) / 100
-    precision = min(6, max(2, math.ceil(-math.log10(finest))))
-    return FloatProperty(
-        default=number.start,
-        soft_min=number.first,
-        soft_max=number.last,
-        precision=precision,
-        # In hundredths: a click on an arrow is a hundredth of the range.
-        step=number.last - number.first,
-        **said,
-    )
+    if row.whole:
+        return IntProperty(default=int(start), soft_min=int(first), soft_max=int(last), **said)
+    finest = first if first > 0 else (last - first) / 100
+    # In hundredths: a click on an arrow is a hundredth of the range.
+    shown = {"precision": min(6, max(2, math.ceil(-math.log10(finest)))), "step": last - first}
+    return FloatProperty(default=start, soft_min=first, soft_max=last, **shown, **said)
 
 
 def text_property(row: Row) -> Any:
@@ -99,26 +87,19 @@ def text_property(row: Row) -> Any:
 
 def properties(command: str) -> dict[str, Any]:
     """The properties of a command."""
-    numbers = sliders(command)
     made = {}
     for keyword, row in shown_rows(command).items():
+        said = {"name": label_of(row), "description": row.help}
         match row.kind:
             case "number":
-                number = numbers[keyword]
-                made[keyword] = number_property(row, number)
-                if number.unset is not None:
-                    made[unset_of(keyword)] = BoolProperty(
-                        name=number.unset, description=row.help, default=number.is_unset
-                    )
+                start, unset, is_unset = sliders(command)[keyword]
+                made[keyword] = number_property(row, start)
+                if unset is not None:
+                    made[unset_of(keyword)] = BoolProperty(name=unset, description=row.help, default=is_unset)
             case "choice":
-                made[keyword] = EnumProperty(
-                    name=label_of(row),
-                    description=row.help,
-                    items=[(word, word, "") for word in row.words],
-                    default=row.default,
-                )
+                made[keyword] = EnumProperty(items=[(word, word, "") for word in row.words], default=row.default, **said)
             case "switch":
-                made[keyword] = BoolProperty(name=label_of(row), description=row.help, default=row.default)
+                made[keyword] = BoolProperty(default=row.default, **said)
             case _:
                 made[keyword] = text_property(row)
     return made
@@ -161,7 +142,7 @@ def value_of(row: Row, number: Slider | None, group: Any) -> Any:
     if number is not None:
         if number.unset is not None and getattr(group, unset_of(row.keyword)):
             value = row.words[0] if row.words else None
-        elif not number.is_whole:
+        elif not row.whole:
             # The shortest number that is the same in the 32 bits of a property.
             value = float(str(np.float32(value)))
     elif row.repeatable:
@@ -220,7 +201,7 @@ def control_values(row: Row, number: Slider | None, texts: list[str]) -> dict[st
     if number is not None:
         is_word = last in row.words
         unset = {} if number.unset is None else {unset_of(row.keyword): is_word}
-        return unset if is_word else {row.keyword: number_of(row, number, last), **unset}
+        return unset if is_word else {row.keyword: number_of(row, last), **unset}
     match row.kind:
         case "switch":
             return {row.keyword: last == "true"}
@@ -232,10 +213,10 @@ def control_values(row: Row, number: Slider | None, texts: list[str]) -> dict[st
             return {row.keyword: last}
 
 
-def number_of(row: Row, number: Slider, value: str) -> float:
+def number_of(row: Row, value: str) -> float:
     """The number of a text."""
     try:
-        return int(value) if number.is_whole else float(value)
+        return int(value) if row.whole else float(value)
     except ValueError:
         raise ValueError(f"{row.name} is {value} in the recipe; the sidebar takes one number") from None
 

@@ -50,14 +50,34 @@ def made(rendered, relievo, command_line, tmp_path):
     return make
 
 
-def test_pictures(made):
-    planes = made("enhance", ["--scaling=2.2"], "RGB", scaling=2.2)
-    image = bpy.data.images["relievo.enhance"]
-    assert image.is_float and tuple(image.size) == SIZE and image.use_view_as_render
+@pytest.mark.parametrize(
+    ("image", "command", "flags", "names", "values"),
+    [
+        ("enhance", "enhance", ["--scaling=2.2"], "RGB", {"scaling": 2.2}),
+        (
+            "relight",
+            "relight",
+            ["--light=135,40", "--light=20,30,1,0,0", "--method=warp"],
+            "RGB",
+            {"light": "135,40; 20,30,1,0,0", "method": "warp"},
+        ),
+        ("hatch", "hatch", ["--seed=3"], "R", {"seed": "3"}),
+        ("map.height", "map", ["--map=height"], ["height"], {"map": "height"}),
+        ("curvature", "shape", [], ["curvature.kappa"], {}),
+    ],
+)
+def test_images_are_those_of_the_command_line(made, image, command, flags, names, values):
+    planes = made(command, flags, names, **values)
+    shown = bpy.data.images[f"relievo.{image}"]
+    assert shown.is_float and tuple(shown.size) == SIZE
+    # A picture is seen as the render is, what is measured without any colour space.
+    assert shown.use_view_as_render == (names == "RGB")
+    assert shown.colorspace_settings.is_data == (command in ("map", "shape"))
     for at, plane in enumerate(planes):
-        np.testing.assert_array_equal(pixels_of(image)[..., at], plane)
-    # The light of the passes is scaled, rather than left.
+        np.testing.assert_array_equal(pixels_of(shown)[..., at], plane)
+    # It is a picture, rather than left empty; curvature is of both signs.
     assert np.ptp(planes[0]) > 0.1
+    assert command != "shape" or (planes[0].min() < -0.3 and planes[0].max() > 0.3)
 
 
 def test_without_normals_depth_shows_the_surface(made, rendered, capfd):
@@ -65,36 +85,9 @@ def test_without_normals_depth_shows_the_surface(made, rendered, capfd):
         layer.use_pass_normal = False
     bpy.ops.render.render(scene=rendered.name)
     planes = made("relight", ["--light=135,40"], "RGB", light="135,40")
-    image = bpy.data.images["relievo.relight"]
-    for at, plane in enumerate(planes):
-        np.testing.assert_array_equal(pixels_of(image)[..., at], plane)
+    shown = pixels_of(bpy.data.images["relievo.relight"])[..., :3]
+    np.testing.assert_array_equal(shown, np.dstack(planes))
     assert "Warning: Normals from depth: no layer holds any" in capfd.readouterr().out
-
-
-def test_relit_pictures(made):
-    flags = ["--light=135,40", "--light=20,30,1,0,0", "--method=warp"]
-    planes = made("relight", flags, "RGB", light="135,40; 20,30,1,0,0", method="warp")
-    for at, plane in enumerate(planes):
-        np.testing.assert_array_equal(pixels_of(bpy.data.images["relievo.relight"])[..., at], plane)
-
-
-def test_drawings(made):
-    (paper,) = made("hatch", ["--seed=3"], "R", seed="3")
-    image = bpy.data.images["relievo.hatch"]
-    np.testing.assert_array_equal(pixels_of(image)[..., 0], paper)
-    assert not image.use_view_as_render
-
-
-def test_maps_and_curvature_are_data(made, rendered):
-    (height,) = made("map", ["--map=height"], ["height"], map="height")
-    image = bpy.data.images["relievo.map.height"]
-    np.testing.assert_array_equal(pixels_of(image)[..., 0], height)
-    (kappa,) = made("shape", [], ["curvature.kappa"])
-    curvature = bpy.data.images["relievo.curvature"]
-    np.testing.assert_array_equal(pixels_of(curvature)[..., 1], kappa)
-    assert curvature.colorspace_settings.is_data and image.colorspace_settings.is_data
-    # Convex and concave.
-    assert kappa.min() < -0.3 and kappa.max() > 0.3
 
 
 def test_an_image_in_use_is_replaced_where_it_is_used(made, rendered):
