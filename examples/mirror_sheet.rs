@@ -12,7 +12,8 @@ use relievo::io::{self, Needs, SpecularInputs, load_specular};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
 use relievo::params::{
-    Bend, LineParams, Material, Params, SearchParams, SpecularParams, StrokeDirections, StrokeScale,
+    Bend, LineParams, Material, Params, SearchParams, SpecularParams, StrokeDirections,
+    StrokeScale, Style,
 };
 use relievo::plan::{Goal, Tone};
 use std::process::ExitCode;
@@ -52,6 +53,7 @@ fn sheet(output: &str) -> Outcome<()> {
         interior: None,
         ..LineParams::default()
     };
+    line.strokes.style = Style::Pen;
     line.strokes.scale = StrokeScale::Factor(0.5);
     let drawing = Request::new(Goal::Hatch(Tone::Enhanced, line), Params::default());
     let drawn = |request: &Request| -> relievo::Result<ColorPlanes> {
