@@ -60,6 +60,7 @@ fn the_report_is_on_the_command_and_the_frame() {
     assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
     let loads = page.contains("href=") || page.contains("src=\"http");
     assert!(!loads && page.contains("data:image/png"));
+    assert!(page.contains("default-src 'none'"));
     assert!(!page.contains("NaN") && !page.contains("inf\""));
     assert!(
         said.lines().count() < 45 && said.contains("report.html"),
