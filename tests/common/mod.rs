@@ -4,6 +4,7 @@
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
 pub mod cpu;
+pub mod damage;
 pub mod exr;
 pub mod files;
 pub mod planes;
@@ -20,6 +21,7 @@ use relievo::frame::{
 };
 use relievo::io::Loaded;
 use relievo::scenes::angle_deg;
+use std::fmt::Display;
 
 /// The defaults, with this change.
 pub fn default_but<T: Default>(change: impl FnOnce(&mut T)) -> T {
@@ -230,6 +232,51 @@ pub fn is_a_drawing(drawn: &Drawing) -> bool {
     layers
         .flat_map(|plane| plane.samples())
         .all(|v| (0.0..=1.0).contains(v))
+}
+
+/// Expects a number within a bound of what it should be.
+#[track_caller]
+pub fn near(found: impl Into<f64>, expected: impl Into<f64>, bound: f64, what: impl Display) {
+    let [found, expected] = [found.into(), expected.into()];
+    let is_near = (found - expected).abs() < bound;
+    assert!(is_near, "{what}: {found}, not {expected}");
+}
+
+/// Numbers in their order.
+pub fn sorted(numbers: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut numbers: Vec<f64> = numbers.into_iter().collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers
+}
+
+/// The largest of numbers that are not negative.
+pub fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    numbers.into_iter().fold(0.0, f64::max)
+}
+
+/// Three planes of colours.
+pub fn colors([width, height]: [usize; 2], at: impl Fn(usize, usize, usize) -> f32) -> ColorPlanes {
+    let [r, g, b] = [0, 1, 2].map(|i| Plane::from_fn(width, height, |x, y| at(i, x, y)));
+    ColorPlanes { r, g, b }
+}
+
+/// The three planes of colours.
+pub fn channels(color: &ColorPlanes) -> [&Plane; 3] {
+    [&color.r, &color.g, &color.b]
+}
+
+/// The value of a plane at a place, 0 in the middle of the first pixel, linear between pixels; outside, its border is repeated.
+pub fn between(plane: &Plane, x: f64, y: f64) -> f64 {
+    let inside = |at: f64, length: usize| at.clamp(0.0, length as f64 - 1.0);
+    let (x, y) = (inside(x, plane.width()), inside(y, plane.height()));
+    let (left, top) = (x.floor(), y.floor());
+    let at = |dx: usize, dy: usize| {
+        let column = (left as usize + dx).min(plane.width() - 1);
+        let row = (top as usize + dy).min(plane.height() - 1);
+        f64::from(plane.at(column, row))
+    };
+    let along = |dy| at(0, dy) + (x - left) * (at(1, dy) - at(0, dy));
+    along(0) + (y - top) * (along(1) - along(0))
 }
 
 /// The bits of all samples.

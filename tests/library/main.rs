@@ -5,7 +5,6 @@ mod common;
 
 mod builder;
 mod camera;
-mod coherence;
 mod contours;
 mod conventions;
 mod engine;
@@ -15,7 +14,6 @@ mod from_depth;
 mod groups;
 mod hatch;
 mod invariance;
-mod io;
 mod layer_names;
 mod light_layers;
 mod live;

@@ -4,10 +4,6 @@ use super::*;
 
 const SIZE: [usize; 2] = [400, 280];
 
-fn card() -> Frame {
-    cards(Window::from_size(SIZE[0], SIZE[1]), 0.5, |_, _| Some(7.0))
-}
-
 /// Previous position of a pixel whose surface moved by whole columns and rows.
 fn shifted(columns: isize, rows: isize) -> impl Fn(usize, usize) -> Option<[usize; 2]> {
     move |x, y| {
@@ -19,7 +15,7 @@ fn shifted(columns: isize, rows: isize) -> impl Fn(usize, usize) -> Option<[usiz
 
 #[test]
 fn a_first_frame_is_the_still_drawing() {
-    let frame = card();
+    let frame = card(SIZE);
     let still = draw(&frame, ruled(30.0), None);
     let mut drawing = first(&frame, ruled(30.0));
     assert!(still.coordinates.is_none());
@@ -34,7 +30,7 @@ fn a_first_frame_is_the_still_drawing() {
 
 #[test]
 fn a_pan_moves_every_stroke_and_changes_none() {
-    let frame = card();
+    let frame = card(SIZE);
     let still = first(&frame, ruled(30.0));
     // Across the strokes, not along them.
     let pan = motion(&frame, |_, _| [2.0, 3.0]);
@@ -42,16 +38,12 @@ fn a_pan_moves_every_stroke_and_changes_none() {
     for step in 1..=20 {
         drawing = next(&drawing, &frame, &pan, ruled(30.0));
         // Whole pixels: places are integers and a half, all sums are exact, so every bit is preserved.
-        let carried = difference(
-            &drawing.hatching,
-            &still.hatching,
-            shifted(2 * step, 3 * step),
-        );
+        let from = shifted(2 * step, 3 * step);
+        let carried = difference(&drawing.hatching, &still.hatching, from);
         assert_eq!(carried, 0.0, "after {step} steps");
         // Newly visible surface has the tone of the rest.
-        let tone = 1.0 - mean(&drawing.hatching, everywhere);
-        assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
-        assert_eq!(coordinates(&drawing).mean_shares(), [1.0]);
+        is_half_inked(&drawing, format!("after {step} steps"));
+        assert_eq!(shares(&drawing), [1.0]);
     }
     // Fixed strokes: black and white meet by chance, with half of the pixels inked. Unrelated drawings differ at 2 *
     // 1/2 * 1/2; lines are anti-aliased, so somewhat less.
@@ -61,7 +53,7 @@ fn a_pan_moves_every_stroke_and_changes_none() {
 
 #[test]
 fn a_pan_by_parts_of_a_pixel_does_not_drift() {
-    let frame = card();
+    let frame = card(SIZE);
     let still = first(&frame, ruled(30.0));
     let pan = motion(&frame, |_, _| [0.3, 0.7]);
     let mut drawing = first(&frame, ruled(30.0));
@@ -72,7 +64,7 @@ fn a_pan_by_parts_of_a_pixel_does_not_drift() {
     // about a pixel: 20 steps leave less than 1e-3.
     let carried = difference(&drawing.hatching, &still.hatching, shifted(6, 14));
     assert!(carried < 1e-3, "{carried}");
-    assert_eq!(coordinates(&drawing).mean_shares(), [1.0]);
+    assert_eq!(shares(&drawing), [1.0]);
 }
 
 #[test]
@@ -80,7 +72,7 @@ fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
     // A disc rotated by 5 degrees a frame, with its strokes.
     let side = 160;
     let middle = side as f64 / 2.0;
-    let frame = cards(Window::from_size(side, side), 0.5, |x, y| {
+    let frame = cards([side; 2], 0.5, |x, y| {
         let from = (x as f64 + 0.5 - middle).hypot(y as f64 + 0.5 - middle);
         (from < 70.0).then_some(3.0)
     });
@@ -95,7 +87,7 @@ fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
     for step in 1..=18 {
         let degrees = 20.0 + 5.0 * step as f32;
         drawing = next(&drawing, &frame, &turn, ruled(degrees));
-        assert_eq!(coordinates(&drawing).mean_shares(), [1.0], "at {degrees}");
+        assert_eq!(shares(&drawing), [1.0], "at {degrees}");
     }
     // A right angle in all. The pixel at column x, row y was at column side - 1 - y, row x. Interpolation preserves
     // affine maps, so only rounding and the rim, which is extended from within, remain.
@@ -109,14 +101,9 @@ fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
 #[test]
 fn what_comes_out_from_behind_goes_on_as_if_it_had_been_seen() {
     // A card of 60 x 60 passes at 4 px a frame over a background that stays.
-    let at = |step: usize| {
-        move |x: usize, y: usize| {
-            (10 + 4 * step..70 + 4 * step).contains(&x) && (40..100).contains(&y)
-        }
-    };
     let scene = |step: usize| {
-        let front = at(step);
-        cards(Window::from_size(SIZE[0], SIZE[1]), 0.5, move |x, y| {
+        let front = passing(step);
+        cards(SIZE, 0.5, move |x, y| {
             Some(if front(x, y) { 4.0 } else { 9.0 })
         })
     };
@@ -124,37 +111,23 @@ fn what_comes_out_from_behind_goes_on_as_if_it_had_been_seen() {
     let mut drawing = first(&scene(0), ruled(75.0));
     for step in 1..=25 {
         let frame = scene(step);
-        let front = at(step);
-        let moves = motion(&frame, |x, y| match front(x as usize, y as usize) {
-            true => [4.0, 0.0],
-            false => [0.0; 2],
-        });
-        drawing = next(&drawing, &frame, &moves, ruled(75.0));
-        assert!(
-            drawing
-                .hatching
-                .samples()
-                .iter()
-                .all(|ink| (0.0..=1.0).contains(ink))
-        );
-        let tone = 1.0 - mean(&drawing.hatching, everywhere);
-        assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
+        drawing = next(&drawing, &frame, &passage(&frame, step), ruled(75.0));
+        assert!(is_a_drawing(&drawing));
+        is_half_inked(&drawing, format!("after {step} steps"));
     }
     // Both textures began as the still drawing: the background, hidden and visible again, still has it, the card has
     // carried its part along.
-    let front = at(25);
+    let front = passing(25);
     let background = |x, y| (!front(x, y)).then_some([x, y]);
-    assert_eq!(
-        difference(&drawing.hatching, &start.hatching, background),
-        0.0
-    );
     let card = |x, y| front(x, y).then(|| [x - 100, y]);
-    assert_eq!(difference(&drawing.hatching, &start.hatching, card), 0.0);
+    let off = |from| difference(&drawing.hatching, &start.hatching, from);
+    assert_eq!(off(&background as &dyn Fn(_, _) -> _), 0.0);
+    assert_eq!(off(&card), 0.0);
 }
 
 #[test]
 fn a_window_that_moves_over_the_picture_changes_nothing() {
-    let whole = card();
+    let whole = card(SIZE);
     let still = first(&whole, ruled(30.0));
     let [left, top] = [17, 9];
     let part = whole.crop(Window::at(left, top, 120, 90));

@@ -1,13 +1,14 @@
 //! Motion as renderers write it: the sign, the unit and the pair of channels are found from two frames.
 
 use crate::common::exr::Part;
+use crate::common::files::load;
+use crate::common::{largest, places};
 use relievo::frame::{NormalSpace, Plane};
-use relievo::io::inputs::Inputs;
 use relievo::io::motion::{FrameBefore, MotionLayers, MotionVerdict};
-use relievo::io::{Loaded, Needs, load};
-use std::path::Path;
 
 const SIZE: [usize; 2] = [120, 90];
+const W: f64 = 120.0;
+const H: f64 = 90.0;
 const MIDDLE: [f64; 2] = [60.0, 45.0];
 
 /// A relief that fills the picture: slopes of waves of some ten pixels, and a paint of others. `at` is where on it a pixel looks.
@@ -37,28 +38,14 @@ fn frame(at: impl Fn(f64, f64) -> [f64; 2]) -> Vec<(String, Plane)> {
     normals.chain(paint).collect()
 }
 
-fn read(path: &Path) -> Loaded {
-    let inputs = Inputs {
-        picture: path.into(),
-        normal_space: Some(NormalSpace::View),
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        color_if_any: true,
-        motion: true,
-        ..Needs::default()
-    };
-    load(&inputs, needs).unwrap()
-}
+/// What has come to each pixel, or the position of the relief that it looks at.
+type Of<'a> = &'a dyn Fn(f64, f64) -> [f64; 2];
 
-/// The channels of a layer, with their values as a function of the surface's motion, x right, y up, in pixels.
-type Channels<'a> = &'a [(&'a str, &'a dyn Fn(f64, f64) -> f64)];
+/// Channels of layers, and their values by the surface's motion, x right, y up, in pixels.
+type Channels = (&'static str, fn(f64, f64) -> [f64; 4]);
 
 /// Two frames of a relief that has come `come(x, y)` to each pixel, x right, y up; the second has these channels too.
-fn judged(
-    come: &dyn Fn(f64, f64) -> [f64; 2],
-    channels: Channels,
-) -> (Option<MotionLayers>, Option<MotionVerdict>) {
+fn judged(come: Of, channels: Channels) -> Option<(MotionLayers, MotionVerdict)> {
     let from = |x: f64, y: f64| {
         let [dx, dy] = come(x, y);
         [x - dx, y + dy]
@@ -68,32 +55,32 @@ fn judged(
 
 /// The same for two frames that look at these positions of the relief.
 fn judged_between(
-    at: [&dyn Fn(f64, f64) -> [f64; 2]; 2],
-    come: &dyn Fn(f64, f64) -> [f64; 2],
-    channels: Channels,
-) -> (Option<MotionLayers>, Option<MotionVerdict>) {
+    at: [Of; 2],
+    come: Of,
+    (names, stored): Channels,
+) -> Option<(MotionLayers, MotionVerdict)> {
     let desk = tempfile::tempdir().unwrap();
     let write = |name: &str, planes: &[(String, Plane)]| {
         let path = desk.path().join(name);
         Part::of(planes.iter().map(|(name, plane)| (name, plane))).write(&path);
-        read(&path)
+        load(path, |inputs, needs| {
+            inputs.normal_space = Some(NormalSpace::View);
+            (needs.color_if_any, needs.motion) = (true, true);
+        })
     };
     let before = write("1.exr", &frame(at[0]));
     let mut planes = frame(at[1]);
-    for (name, stored) in channels {
+    for (i, name) in names.split_whitespace().enumerate() {
         let plane = Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
             let [dx, dy] = come(x as f64 + 0.5, y as f64 + 0.5);
-            stored(dx, dy) as f32
+            stored(dx, dy)[i] as f32
         });
         planes.push((name.to_string(), plane));
     }
     let now = write("2.exr", &planes);
-    let seen = FrameBefore::of(&before.frame);
-    let verdict = now
-        .motion
-        .as_ref()
-        .map(|layers| layers.judge(&now.frame, &seen, 1, None));
-    (now.motion, verdict)
+    let layers = now.motion?;
+    let verdict = layers.judge(&now.frame, &FrameBefore::of(&before.frame), 1, None);
+    Some((layers, verdict))
 }
 
 fn pan(_: f64, _: f64) -> [f64; 2] {
@@ -108,171 +95,77 @@ fn wheel(x: f64, y: f64) -> [f64; 2] {
 }
 
 /// Error of the motion found, in pixels, at the worst pixel.
-fn off(come: &dyn Fn(f64, f64) -> [f64; 2], layers: &MotionLayers, verdict: &MotionVerdict) -> f64 {
+fn off(come: Of, layers: &MotionLayers, verdict: &MotionVerdict) -> f64 {
     let found = layers.read_as(verdict).expect("motion was found");
-    let mut worst = 0.0f64;
-    for y in 0..SIZE[1] {
-        for x in 0..SIZE[0] {
-            let [dx, dy] = come(x as f64 + 0.5, y as f64 + 0.5);
-            let [a, b] = [&found.x, &found.y].map(|plane| f64::from(plane.at(x, y)));
-            worst = worst.max((a - dx).hypot(b - dy));
-        }
-    }
-    worst
+    largest(places(SIZE[0], SIZE[1]).map(|(x, y)| {
+        let [dx, dy] = come(x as f64 + 0.5, y as f64 + 0.5);
+        let [a, b] = [&found.x, &found.y].map(|plane| f64::from(plane.at(x, y)));
+        (a - dx).hypot(b - dy)
+    }))
 }
 
 #[test]
 fn every_convention_of_every_renderer_is_found_from_two_frames() {
-    let [w, h] = SIZE.map(|side| side as f64);
+    #[rustfmt::skip]
     let cases: [(&str, Channels); 9] = [
         // Blender: previous minus current by x and y; current minus next by z and w, here of a motion that slows down.
-        (
-            "Blender",
-            &[
-                ("ViewLayer.Vector.X", &|x, _| -x),
-                ("ViewLayer.Vector.Y", &|_, y| -y),
-                ("ViewLayer.Vector.Z", &|x, _| -0.5 * x),
-                ("ViewLayer.Vector.W", &|_, y| -0.5 * y),
-            ],
-        ),
-        // A file with the two pairs swapped.
-        (
-            "swapped",
-            &[
-                ("Vector.X", &|x, _| 0.5 * x),
-                ("Vector.Y", &|_, y| 0.5 * y),
-                ("Vector.Z", &|x, _| -x),
-                ("Vector.W", &|_, y| -y),
-            ],
-        ),
-        (
-            "Nuke",
-            &[("forward.u", &|x, _| x), ("forward.v", &|_, y| y)],
-        ),
-        (
-            "Arnold over half a frame",
-            &[
-                ("motionvector.R", &|x, _| 0.5 * x),
-                ("motionvector.G", &|_, y| 0.5 * y),
-            ],
-        ),
-        (
-            "RenderMan",
-            &[
-                ("motionBack.r", &|x, _| -x),
-                ("motionBack.g", &|_, y| y),
-                ("motionFore.r", &|x, _| 0.4 * x),
-                ("motionFore.g", &|_, y| -0.4 * y),
-            ],
-        ),
-        (
-            "V-Ray, y down",
-            &[
-                ("VRayVelocity.R", &|x, _| x),
-                ("VRayVelocity.G", &|_, y| -y),
-                ("VRayVelocity.B", &|_, _| 0.25),
-            ],
-        ),
-        (
-            "encoded as 0..1",
-            &[
-                ("mv.R", &|x, _| 0.5 + 0.5 * x / 2048.0),
-                ("mv.G", &|_, y| 0.5 + 0.5 * y / 2048.0),
-            ],
-        ),
-        (
-            "widths and heights",
-            &[
-                ("MotionVectors.x", &move |x, _| x / w),
-                ("MotionVectors.y", &move |_, y| -y / h),
-            ],
-        ),
+        ("Blender", ("ViewLayer.Vector.X ViewLayer.Vector.Y ViewLayer.Vector.Z ViewLayer.Vector.W",
+            |x, y| [-x, -y, -0.5 * x, -0.5 * y])),
+        ("the two pairs swapped", ("Vector.X Vector.Y Vector.Z Vector.W", |x, y| [0.5 * x, 0.5 * y, -x, -y])),
+        ("Nuke", ("forward.u forward.v", |x, y| [x, y, 0.0, 0.0])),
+        ("Arnold over half a frame", ("motionvector.R motionvector.G", |x, y| [0.5 * x, 0.5 * y, 0.0, 0.0])),
+        ("RenderMan", ("motionBack.r motionBack.g motionFore.r motionFore.g", |x, y| [-x, y, 0.4 * x, -0.4 * y])),
+        ("V-Ray, y down", ("VRayVelocity.R VRayVelocity.G VRayVelocity.B", |x, y| [x, -y, 0.25, 0.0])),
+        ("encoded as 0..1", ("mv.R mv.G", |x, y| [0.5 + 0.5 * x / 2048.0, 0.5 + 0.5 * y / 2048.0, 0.0, 0.0])),
+        ("widths and heights", ("MotionVectors.x MotionVectors.y", |x, y| [x / W, -y / H, 0.0, 0.0])),
         // No name: numbers alone distinguish it from layers with other content.
-        (
-            "nameless",
-            &[
-                ("aov_7.x", &move |x, _| -2.0 * x / w),
-                ("aov_7.y", &move |_, y| -2.0 * y / h),
-                ("aov_8.x", &|_, _| 3.0),
-                ("aov_8.y", &|_, _| 4.0),
-            ],
-        ),
+        ("nameless", ("aov_7.x aov_7.y aov_8.x aov_8.y", |x, y| [-2.0 * x / W, -2.0 * y / H, 3.0, 4.0])),
     ];
     for (name, channels) in cases {
-        for (what, come) in [("pan", &pan as &dyn Fn(f64, f64) -> _), ("wheel", &wheel)] {
-            let (layers, verdict) = judged(come, channels);
-            let (layers, verdict) = (layers.unwrap(), verdict.unwrap());
-            assert!(verdict.is_found(), "{name}, {what}: {}", verdict.evidence);
+        for (what, come) in [("pan", &pan as Of), ("wheel", &wheel)] {
+            let (layers, verdict) = judged(come, channels).unwrap();
+            let case = format!(
+                "{name}, {what}: {}, {}",
+                verdict.conclusion, verdict.evidence
+            );
+            assert!(verdict.is_found(), "{case}");
             let off = off(come, &layers, &verdict);
             // 0..1 over 4096 pixels in 32-bit floats is good to 2^-24 * 4096 px.
-            assert!(
-                off < 1e-3,
-                "{name}, {what}: {off} px off, {}",
-                verdict.conclusion
-            );
+            assert!(off < 1e-3, "{case}: {off} px off");
         }
     }
 }
 
 #[test]
 fn what_frames_do_not_show_is_not_guessed() {
+    const XY: &str = "velocity.x velocity.y";
+    let still: Of = &|_, _| [0.0; 2];
+    let verdict = |come, channels| judged(come, channels).unwrap().1;
     // Nothing moves.
-    let (_, verdict) = judged(
-        &|_, _| [0.0; 2],
-        &[("velocity.x", &|_, _| 0.0), ("velocity.y", &|_, _| 0.0)],
-    );
-    let verdict = verdict.unwrap();
-    assert!(!verdict.is_found() && verdict.is_still, "{verdict:?}");
+    let found = verdict(still, (XY, |_, _| [0.0; 4]));
+    assert!(!found.is_found() && found.is_still, "{found:?}");
     // The surface moves, but the layer has other content.
-    let (_, verdict) = judged(
-        &pan,
-        &[("velocity.x", &|_, _| 5.0), ("velocity.y", &|_, _| 9.0)],
-    );
-    let verdict = verdict.unwrap();
-    assert!(!verdict.is_found() && !verdict.is_still, "{verdict:?}");
+    let found = verdict(&pan, (XY, |_, _| [5.0, 9.0, 0.0, 0.0]));
+    assert!(!found.is_found() && !found.is_still, "{found:?}");
     // Three numbers that lead nowhere in the picture may do so in the world.
-    let third = ("velocity.z", &(|_, _| 1.0) as &dyn Fn(f64, f64) -> f64);
-    let (_, verdict) = judged(
-        &pan,
-        &[
-            ("velocity.x", &|_, _| 5.0),
-            ("velocity.y", &|_, _| 9.0),
-            third,
-        ],
-    );
-    let evidence = verdict.unwrap().evidence;
+    let xyz = "velocity.x velocity.y velocity.z";
+    let evidence = verdict(&pan, (xyz, |_, _| [5.0, 9.0, 1.0, 0.0])).evidence;
     assert!(evidence.contains("world space"), "{evidence}");
-    // It does not move, but the layer says it does.
-    let (layers, verdict) = judged(
-        &|_, _| [0.0; 2],
-        &[("velocity.x", &|_, _| 2.0), ("velocity.y", &|_, _| 1.0)],
-    );
-    assert!(!verdict.unwrap().is_found());
-    // Its name does not imply a reading, Blender's does.
-    assert!(layers.unwrap().by_name().is_none());
+    // It does not move, but the layer says it does. Its name does not imply a reading, Blender's does.
+    let (layers, found) = judged(still, (XY, |_, _| [2.0, 1.0, 0.0, 0.0])).unwrap();
+    assert!(!found.is_found() && layers.by_name().is_none());
     // One colour and one slope everywhere: motion inside looks the same in every reading.
     let inside = |x: f64, y: f64| match (x - MIDDLE[0]).hypot(y - MIDDLE[1]) < 20.0 {
         true => [3.5, -2.25],
         false => [0.0; 2],
     };
-    let (_, verdict) = judged_between(
-        [&|_, _| [0.0; 2], &|_, _| [0.0; 2]],
-        &inside,
-        &[("velocity.x", &|x, _| x), ("velocity.y", &|_, y| y)],
-    );
-    assert!(!verdict.unwrap().is_found());
+    let up: Channels = (XY, |x, y| [x, y, 0.0, 0.0]);
+    let (_, found) = judged_between([still; 2], &inside, up).unwrap();
+    assert!(!found.is_found());
     // No layer, no verdict; motion along x alone leaves the sense of y open for later frames.
-    assert!(judged(&pan, &[]).1.is_none());
-    let along_x = |_: f64, _: f64| [3.5, 0.0];
-    let (_, verdict) = judged(
-        &along_x,
-        &[("velocity.x", &|x, _| x), ("velocity.y", &|_, y| -y)],
-    );
-    let verdict = verdict.unwrap();
-    assert!(verdict.is_found() && !verdict.is_settled, "{verdict:?}");
-    let (_, verdict) = judged(
-        &pan,
-        &[("velocity.x", &|x, _| x), ("velocity.y", &|_, y| -y)],
-    );
-    assert!(verdict.unwrap().is_settled);
+    assert!(judged(&pan, ("", |_, _| [0.0; 4])).is_none());
+    let down: Channels = (XY, |x, y| [x, -y, 0.0, 0.0]);
+    let found = verdict(&|_, _| [3.5, 0.0], down);
+    assert!(found.is_found() && !found.is_settled, "{found:?}");
+    assert!(verdict(&pan, down).is_settled);
 }

@@ -4,21 +4,20 @@ mod cards;
 mod conventions;
 mod distortion;
 mod dots;
-mod measured;
 mod rendered;
 mod wheel;
 
-use crate::common::cpu;
-use relievo::engine::{Drawing, PlanInputs, SequenceInputs, TextureCoordinates};
-use relievo::frame::{
-    ColorPlanes, Frame, LightLayers, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
-};
+use crate::common::{cpu, default_but, is_a_drawing, near, on_threads, places};
+use glam::Vec3;
+use relievo::engine::{Drawing, Outcome, PlanInputs, SequenceInputs};
+use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::io::Needs;
 use relievo::params::{
-    Adaptive, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
-    StrokeScale,
+    Adaptive, Fallback, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeScale,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
+use relievo::scenes::frames::{grey, normals};
+use std::fmt::Display;
 
 /// The needs of a frame whose strokes move with the surface.
 fn moving() -> Needs {
@@ -31,81 +30,65 @@ fn moving() -> Needs {
 }
 
 /// A frame of cards that face the viewer, of one tone, at the distances `depth(x, y)`.
-fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>) -> Frame {
-    let (width, height) = (window.width(), window.height());
-    let seen = Plane::from_fn(width, height, depth);
-    let flat = |value| Plane::filled(width, height, value);
-    Frame {
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        mask: Mask::new(seen.map(|depth| depth.is_some())),
-        normal: Vector3Planes {
-            x: flat(0.0),
-            y: flat(0.0),
-            z: flat(1.0),
-        },
-        normal_length: None,
-        confidence: None,
+fn cards([w, h]: [usize; 2], tone: f32, depth: impl Fn(usize, usize) -> Option<f32>) -> Frame {
+    let seen = Plane::from_fn(w, h, depth);
+    let facing = normals(w, h, |_, _| Vec3::Z);
+    let frame = Frame {
         depth: Some(seen.map(|depth| depth.unwrap_or(0.0))),
-        occlusion: None,
-        importance: None,
-        strength: None,
-        objects: None,
-        stroke_fallback: None,
-        color: Some(ColorPlanes {
-            r: flat(tone),
-            g: flat(tone),
-            b: flat(tone),
-        }),
-        albedo: None,
-        alpha: None,
-        light: LightLayers::default(),
-        camera: None,
-        wraps: [false; 2],
-        source: Source::default(),
-    }
+        ..Frame::of_normals(facing, Mask::new(seen.map(|depth| depth.is_some())))
+    };
+    grey(frame, tone)
+}
+
+/// One card that fills a picture.
+fn card(size: [usize; 2]) -> Frame {
+    cards(size, 0.5, |_, _| Some(7.0))
 }
 
 /// Motion by pixel, x right, y up, from how far it has come in pixel columns and rows, rows down.
 fn motion(frame: &Frame, come: impl Fn(f64, f64) -> [f64; 2]) -> Vector2Planes {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let at = |x: usize, y: usize| come(x as f64 + 0.5, y as f64 + 0.5);
+    let [x, y] = [0, 1].map(|axis| Plane::from_fn(width, height, |x, y| at(x, y)[axis] as f32));
     Vector2Planes {
-        x: Plane::from_fn(width, height, |x, y| at(x, y)[0] as f32),
-        y: Plane::from_fn(width, height, |x, y| -at(x, y)[1] as f32),
+        x,
+        y: y.map(|down| -down),
     }
 }
 
 /// Strokes at `degrees` wherever curvature does not lead; tone is luminance itself.
 fn ruled(degrees: f32) -> LineParams {
-    let mut line = LineParams {
-        directions: StrokeDirections::Max,
-        field: FieldParams {
-            fallback: Fallback::Angle(degrees),
-            ..FieldParams::default()
-        },
-        contours: None,
-        ..LineParams::default()
+    default_but(|line: &mut LineParams| {
+        line.directions = StrokeDirections::Max;
+        line.field.fallback = Fallback::Angle(degrees);
+        line.contours = None;
+        (line.tone.white_point, line.tone.gamma) = (Adaptive::Fixed(1.0), 1.0);
+        line.strokes.scale = StrokeScale::Factor(1.0);
+    })
+}
+
+fn drawn(
+    frame: &Frame,
+    (tone, scaling): (Tone, ScalingParams),
+    line: LineParams,
+    sequence: Option<SequenceInputs>,
+) -> Outcome {
+    let available = Available {
+        in_sequence: sequence.is_some(),
+        ..Available::in_frame(frame)
     };
-    line.tone.white_point = Adaptive::Fixed(1.0);
-    line.tone.gamma = 1.0;
-    line.strokes.scale = StrokeScale::Factor(1.0);
-    line
-}
-
-fn plan(frame: &Frame, line: LineParams) -> Plan {
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
-}
-
-fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Drawing {
+    let goal = Goal::Hatch(tone, line);
+    let plan = Plan::new(goal, available, ShapeParams::default(), scaling);
     let inputs = PlanInputs {
         sequence,
         ..PlanInputs::default()
     };
-    let outcome = cpu::execute(&plan(frame, line), frame, inputs).unwrap();
+    cpu::execute(&plan.unwrap(), frame, inputs).unwrap()
+}
+
+fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Drawing {
+    let of_picture = (Tone::Picture, ScalingParams::default());
+    let outcome = drawn(frame, of_picture, line, sequence);
     outcome.drawing.expect("a drawing was planned")
 }
 
@@ -123,23 +106,25 @@ fn next(before: &Drawing, frame: &Frame, motion: &Vector2Planes, line: LineParam
     draw(frame, line, Some(sequence))
 }
 
-fn coordinates(drawing: &Drawing) -> &TextureCoordinates {
-    drawing
-        .coordinates
-        .as_ref()
+/// The share of each pixel of one map of coordinates, the oldest first.
+fn shares(drawing: &Drawing) -> Vec<f64> {
+    let coordinates = drawing.coordinates.as_ref();
+    coordinates
         .expect("a sequence has coordinates")
+        .mean_shares()
 }
 
 /// Mean over the pixels of `part`.
 fn mean(plane: &Plane, part: impl Fn(usize, usize) -> bool) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for y in 0..plane.height() {
-        for x in (0..plane.width()).filter(|&x| part(x, y)) {
-            sum += f64::from(plane.at(x, y));
-            count += 1;
-        }
-    }
-    sum / f64::from(count.max(1))
+    let all = places(plane.width(), plane.height()).filter(|&(x, y)| part(x, y));
+    let sum: f64 = all.clone().map(|(x, y)| f64::from(plane.at(x, y))).sum();
+    sum / all.count().max(1) as f64
+}
+
+/// Expects a tone of one half, by the ink in the mean.
+#[track_caller]
+fn is_half_inked(drawing: &Drawing, what: impl Display) {
+    near(mean(&drawing.hatching, everywhere), 0.5, 0.02, what);
 }
 
 /// Mean absolute difference between `now` and `before` at the previous position `from` of each pixel: whole columns and
@@ -154,6 +139,20 @@ fn difference(
         None => 0.0,
     });
     mean(&differences, |x, y| from(x, y).is_some())
+}
+
+/// Where a card of 60 x 60 is that passes at 4 px a frame.
+fn passing(step: usize) -> impl Fn(usize, usize) -> bool + Copy {
+    move |x, y| (10 + 4 * step..70 + 4 * step).contains(&x) && (40..100).contains(&y)
+}
+
+/// Its motion over what stays.
+fn passage(frame: &Frame, step: usize) -> Vector2Planes {
+    let front = passing(step);
+    motion(frame, |x, y| match front(x as usize, y as usize) {
+        true => [4.0, 0.0],
+        false => [0.0; 2],
+    })
 }
 
 fn everywhere(_: usize, _: usize) -> bool {

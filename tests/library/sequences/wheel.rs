@@ -2,27 +2,20 @@
 
 use super::moving;
 use crate::common::exr::Part;
+use crate::common::files::load;
+use crate::common::program::fixture;
+use crate::common::{apart, places};
 use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Vector2Planes, static_world_motion};
+use relievo::io::Loaded;
 use relievo::io::camera::read_camera;
-use relievo::io::inputs::Inputs;
 use relievo::io::motion::{FrameBefore, MotionVerdict};
-use relievo::io::{Loaded, load};
 use std::path::{Path, PathBuf};
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
-
 fn read(path: PathBuf, camera: Option<&str>, space: Option<NormalSpace>) -> Loaded {
-    let inputs = Inputs {
-        picture: path,
-        camera: camera.map(fixture),
-        normal_space: space,
-        ..Inputs::default()
-    };
-    load(&inputs, moving()).unwrap()
+    load(path, |inputs, needs| {
+        (inputs.camera, inputs.normal_space) = (camera.map(fixture), space);
+        *needs = moving();
+    })
 }
 
 fn frame(number: u32) -> Loaded {
@@ -38,21 +31,14 @@ fn judged(now: &Loaded, before: &Frame) -> MotionVerdict {
 /// The mean distance of normals to those of the frame before at the nearest pixel, where both frames are seen.
 fn unlike(now: &Frame, before: &Frame, come: impl Fn(usize, usize) -> [f32; 2]) -> f64 {
     let (width, height) = (now.mask.width(), now.mask.height());
-    let (mut sum, mut count) = (0.0, 0);
-    for y in 0..height {
-        for x in 0..width {
-            let [dx, dy] = come(x, y);
-            let from = [x as f32 - dx, y as f32 + dy].map(|at| at.round() as usize);
-            if from[0] < width && from[1] < height {
-                sum += now
-                    .normal
-                    .at(x, y)
-                    .distance(before.normal.at(from[0], from[1]));
-                count += 1;
-            }
-        }
-    }
-    sum / f64::from(count)
+    let apart = places(width, height).filter_map(|(x, y)| {
+        let [dx, dy] = come(x, y);
+        let [u, v] = [x as f32 - dx, y as f32 + dy].map(|at| at.round() as usize);
+        let is_seen = u < width && v < height;
+        is_seen.then(|| now.normal.at(x, y).distance(before.normal.at(u, v)))
+    });
+    let apart: Vec<f64> = apart.collect();
+    apart.iter().sum::<f64>() / apart.len() as f64
 }
 
 #[test]
@@ -112,8 +98,7 @@ fn it_is_found_under_the_names_and_signs_of_other_renderers() {
         let found = again.motion.as_ref().unwrap().read_as(&verdict);
         let found = found.unwrap_or_else(|| panic!("{name}: {}", verdict.evidence));
         for (found, come) in [(&found.x, &come.x), (&found.y, &come.y)] {
-            let pairs = found.samples().iter().zip(come.samples());
-            let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            let worst = apart(found, come);
             // 0..1 over 4096 pixels in 32-bit floats is good to 2^-24 * 4096 px.
             assert!(worst < 1e-3, "{name}: {worst} px off");
         }
