@@ -288,3 +288,41 @@ fn a_layer_of_light_is_no_normal_map() {
     let said = found.err().unwrap().to_string();
     assert!(said.contains("is no normal map"), "{said}");
 }
+
+/// JPEG moves the samples of gentle forms by a code or two, in blocks: the smoothest normals that near bend as the form does.
+#[test]
+fn gentle_forms_are_read_from_jpeg_without_its_blocks() {
+    const WIDE: u32 = 320;
+    let folder = tempfile::tempdir().unwrap();
+    // The slopes of 3 sin(x / 40) sin(y / 55).
+    let exact = |x: u32, y: u32| {
+        let (sx, cx) = (f64::from(x) / 40.0).sin_cos();
+        let (sy, cy) = (f64::from(y) / 55.0).sin_cos();
+        DVec3::new(-cx * sy * 3.0 / 40.0, sx * cy * 3.0 / 55.0, 1.0).normalize()
+    };
+    let in_codes = |x, y| image::Rgb(codes(exact(x, y)));
+    let map = image::RgbImage::from_fn(WIDE, WIDE, in_codes);
+    // Root mean square error of the change of x over 8 pixels, where blocks show.
+    let error = |x_of: &dyn Fn(u32, u32) -> f64| {
+        let bend = |of: &dyn Fn(u32, u32) -> f64, x, y| of(x + 8, y) - of(x, y);
+        let side = WIDE as usize - 40;
+        let squares = places(side, side).map(|(x, y)| {
+            let [x, y] = [x as u32 + 16, y as u32 + 16];
+            (bend(x_of, x, y) - bend(&|x, y| exact(x, y).x, x, y)).powi(2)
+        });
+        let squares: Vec<f64> = squares.collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    for quality in [95, 75] {
+        let path = folder.path().join(format!("{quality}.jpg"));
+        let file = std::fs::File::create(&path).unwrap();
+        let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(file, quality);
+        map.write_with_encoder(encoder).unwrap();
+        let stored = image::open(&path).unwrap().to_rgb8();
+        let before = error(&|x, y| f64::from(stored.get_pixel(x, y).0[0]) / 127.5 - 1.0);
+        let normal = load(path, |_, _| ()).frame.normal;
+        let after = error(&|x, y| normal.at(x as usize, y as usize).x);
+        let case = format!("{quality}: {before:.1e} to {after:.1e}");
+        assert!(3.0 * after < before, "{case}");
+    }
+}

@@ -25,17 +25,20 @@ pub(crate) fn turn_between(a: &Camera, b: &Camera) -> f64 {
 pub(crate) fn expect_rotation(camera: &Camera, truth: DMat3, limit: f64, found: &impl Debug) {
     let m = camera.view_from_world.matrix3;
     let turn = turn_deg(m, truth);
-    println!("turn {turn:.5} deg, {found:?}");
     assert!(turn < limit, "off by {turn} degrees: {found:?}");
     let off = m * m.transpose() - DMat3::IDENTITY;
     assert!(off.to_cols_array().iter().all(|e| e.abs() < 1e-12));
     assert!(m.determinant() > 0.0);
 }
 
-/// Focal length in pixel widths, without end for parallel sight lines.
-pub(crate) fn focal(camera: &Camera) -> f64 {
-    match camera.projection {
-        Projection::Perspective { fx, .. } => fx,
-        Projection::Orthographic { .. } => f64::INFINITY,
-    }
+/// The share by which a focal length, or the pixels per unit of parallel sight lines, is another than the true one; without end
+/// for a projection of the other kind.
+pub(crate) fn focal_error(found: &Camera, truth: &Camera) -> f64 {
+    use Projection::{Orthographic, Perspective};
+    let [found, truth] = match (found.projection, truth.projection) {
+        (Perspective { fx: a, .. }, Perspective { fx: b, .. }) => [a, b],
+        (Orthographic { sx: a, .. }, Orthographic { sx: b, .. }) => [a, b],
+        _ => return f64::INFINITY,
+    };
+    (found / truth - 1.0).abs()
 }

@@ -126,6 +126,14 @@ fn middle(window: Window) -> DVec2 {
 }
 
 impl Shot {
+    /// Makes the picture this large.
+    pub(crate) fn of_size(&mut self, width: usize, height: usize) {
+        (self.data, self.display) = (
+            Window::from_size(width, height),
+            Window::from_size(width, height),
+        );
+    }
+
     /// The scene in parallel sight lines, 60 pixel widths per unit.
     pub(crate) fn parallel(aspect: f64) -> Self {
         let mut shot = Shot::with(|shot| shot.aspect = aspect);

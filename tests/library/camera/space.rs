@@ -96,33 +96,87 @@ fn ball(tilt_deg: f64) -> Surface {
     }
 }
 
+/// How the normals of the ball are stored.
+#[derive(Debug, Clone, Copy)]
+enum As {
+    World,
+    View,
+    Flipped,
+    /// Facing away.
+    Away,
+    /// Those of the ground.
+    Up,
+    /// This in all components.
+    Value(f64),
+}
+
+/// A tilt of the camera, the normals as stored, what else is known, and the conclusion.
+#[rustfmt::skip]
+const JUDGED: [(f64, As, &[By], NormalSpaceConclusion); 24] = [
+    (90.0, As::World, &[By::Position, By::Camera], WORLD),
+    (90.0, As::View, &[By::Position, By::Camera], VIEW),
+    (90.0, As::Flipped, &[By::Position, By::Camera], VIEW_FLIPPED),
+    (90.0, As::World, &[By::Camera], WORLD),
+    (90.0, As::View, &[By::Camera], VIEW),
+    (90.0, As::Flipped, &[By::Camera], VIEW_FLIPPED),
+    (90.0, As::View, &[], VIEW),
+    (90.0, As::Flipped, &[], VIEW_FLIPPED),
+    (90.0, As::World, &[], NormalSpaceConclusion::WorldWithoutCamera),
+    (90.0, As::World, &[By::Position], WORLD),
+    // Depth settles what facing leaves open. As stored, ground normals all face the viewer, but depth shows that the ground
+    // recedes.
+    (50.0, As::View, &[By::Depth], VIEW),
+    (50.0, As::View, &[By::Depth, By::Camera], VIEW),
+    (50.0, As::Flipped, &[By::Depth], VIEW_FLIPPED),
+    (50.0, As::Flipped, &[By::Depth, By::Camera], VIEW_FLIPPED),
+    (50.0, As::World, &[By::Depth, By::Camera], WORLD),
+    (50.0, As::Up, &[By::Depth], NormalSpaceConclusion::WorldWithoutCamera),
+    // Straight down with z up, world and view axes are the same.
+    (0.0, As::World, &[By::Position, By::Camera], VIEW),
+    (0.0, As::World, &[], VIEW),
+    (0.0, As::Up, &[], VIEW),
+    (90.0, As::Away, &[By::Position, By::Camera], WORLD),
+    (90.0, As::Away, &[By::Camera], NormalSpaceConclusion::Ambiguous),
+    // Nothing to judge.
+    (90.0, As::Value(0.0), &[By::Position, By::Camera], NormalSpaceConclusion::Ambiguous),
+    (90.0, As::Value(f64::NAN), &[By::Position, By::Camera], NormalSpaceConclusion::Ambiguous),
+    (90.0, As::Value(f64::INFINITY), &[By::Position, By::Camera], NormalSpaceConclusion::Ambiguous),
+];
+
 #[test]
 fn each_reading_is_told_with_every_kind_of_evidence() {
-    let ball = ball(90.0);
-    let (view, flipped) = (ball.in_view(1.0), ball.in_view(-1.0));
-    for clues in [&[By::Position, By::Camera][..], &[By::Camera]] {
-        assert_eq!(ball.concluded(&ball.normal, clues), WORLD);
-        assert_eq!(ball.concluded(&view, clues), VIEW);
-        assert_eq!(ball.concluded(&flipped, clues), VIEW_FLIPPED);
+    for (tilt, stored, clues, expected) in JUDGED {
+        let ball = ball(tilt);
+        let normal = match stored {
+            As::World => ball.normal.clone(),
+            As::View => ball.in_view(1.0),
+            As::Flipped => ball.in_view(-1.0),
+            As::Away => mapped(&ball.normal, |n| -n),
+            As::Up => field(|_, _| DVec3::Z),
+            As::Value(value) => field(|_, _| DVec3::splat(value)),
+        };
+        let found = ball.concluded(&normal, clues);
+        assert_eq!(found, expected, "{tilt} degrees, {stored:?} by {clues:?}");
     }
-    assert_eq!(ball.concluded(&view, &[]), VIEW);
-    assert_eq!(ball.concluded(&flipped, &[]), VIEW_FLIPPED);
-    let alone = ball.concluded(&ball.normal, &[]);
-    assert_eq!(alone, NormalSpaceConclusion::WorldWithoutCamera);
-    assert_eq!(ball.concluded(&ball.normal, &[By::Position]), WORLD);
 }
 
 #[test]
 fn the_reason_holds_the_numbers() {
-    let ball = ball(90.0);
-    let verdict = ball.judge(&ball.normal, &[By::Position, By::Camera]);
-    let reason = &verdict.reason;
-    assert!(reason.starts_with("world: "), "{reason}");
-    assert!(reason.contains("100.0 % turned"), "{reason}");
-    let evidence = verdict.evidence;
-    assert_eq!(evidence.samples, ball.mask.count());
+    let judged = |tilt| {
+        let ball = ball(tilt);
+        let verdict = ball.judge(&ball.normal, &[By::Position, By::Camera]);
+        assert_eq!(verdict.evidence.samples, ball.mask.count());
+        verdict
+    };
+    let NormalSpaceVerdict {
+        reason, evidence, ..
+    } = judged(90.0);
+    let is_told = reason.starts_with("world: ") && reason.contains("100.0 % turned");
+    assert!(is_told, "{reason}");
     assert!(evidence.world.shape_deg.is_some_and(|d| d < 1.0));
     assert!(evidence.view.shape_deg.is_some_and(|d| d > 30.0));
+    let differ = judged(0.0).evidence.readings_differ_deg;
+    assert!(differ.is_some_and(|d| d < 1e-3));
 }
 
 #[test]
@@ -143,59 +197,10 @@ fn a_gentle_tilt_needs_the_positions() {
 }
 
 #[test]
-fn depth_settles_what_facing_leaves_open() {
-    let ball = ball(50.0);
-    for (sign, expected) in [(1.0, VIEW), (-1.0, VIEW_FLIPPED)] {
-        let view = ball.in_view(sign);
-        assert_eq!(ball.concluded(&view, &[By::Depth]), expected);
-        assert_eq!(ball.concluded(&view, &[By::Depth, By::Camera]), expected);
-    }
-    let by_both = ball.concluded(&ball.normal, &[By::Depth, By::Camera]);
-    assert_eq!(by_both, WORLD);
-    // As stored, ground normals all face the viewer, but depth shows that the ground recedes.
+fn an_empty_mask_and_a_single_pixel_are_undecided() {
     let up = field(|_, _| DVec3::Z);
-    let alone = ball.concluded(&up, &[By::Depth]);
-    assert_eq!(alone, NormalSpaceConclusion::WorldWithoutCamera);
-}
-
-#[test]
-fn equal_readings_are_no_riddle() {
-    // Straight down with z up, world and view axes are the same.
-    let above = ball(0.0);
-    let verdict = above.judge(&above.normal, &[By::Position, By::Camera]);
-    assert_eq!(verdict.conclusion, VIEW);
-    let differ = verdict.evidence.readings_differ_deg;
-    assert!(differ.is_some_and(|d| d < 1e-3));
-    assert_eq!(above.concluded(&above.normal, &[]), VIEW);
-}
-
-#[test]
-fn a_flat_normal_map_is_view_space() {
-    let flat = field(|_, _| DVec3::Z);
-    let (mask, window) = (Mask::full(SIDE, SIDE), Window::from_size(SIDE, SIDE));
-    let verdict = judge_normal_space(&flat, &mask, None, None, None, window);
-    assert_eq!(verdict.conclusion, VIEW);
-}
-
-#[test]
-fn normals_that_face_away_keep_their_space() {
-    let ball = ball(90.0);
-    let away = mapped(&ball.normal, |n| -n);
-    assert_eq!(ball.concluded(&away, &[By::Position, By::Camera]), WORLD);
-    let blind = ball.concluded(&away, &[By::Camera]);
-    assert_eq!(blind, NormalSpaceConclusion::Ambiguous);
-}
-
-#[test]
-fn nothing_to_judge_is_undecided() {
-    for value in [0.0, f64::NAN, f64::INFINITY] {
-        let bad = field(|_, _| DVec3::splat(value));
-        let conclusion = ball(90.0).concluded(&bad, &[By::Position, By::Camera]);
-        assert_eq!(conclusion, NormalSpaceConclusion::Ambiguous);
-    }
     let empty = Mask::new(Plane::filled(SIDE, SIDE, false));
     let window = Window::from_size(SIDE, SIDE);
-    let up = field(|_, _| DVec3::Z);
     let verdict = judge_normal_space(&up, &empty, None, None, None, window);
     assert_eq!(verdict.conclusion, NormalSpaceConclusion::Ambiguous);
     let single = Vector3Planes::from_fn(1, 1, |_, _| DVec3::ONE);
@@ -225,7 +230,6 @@ fn misjudged(
     for (clues, expected, may_be_open) in judgements {
         let verdict = render.judge(normal, clues);
         let judged = format!("{clues:?}: {}", verdict.reason);
-        println!("  {judged}");
         let open = may_be_open && verdict.conclusion == NormalSpaceConclusion::Ambiguous;
         if verdict.conclusion != expected && !open {
             wrong.push(judged);
@@ -261,7 +265,6 @@ fn normals_of_renders_are_judged_right() {
         ];
         for (kind, normal, truth) in readings {
             let reading = format!("{} as {kind}", render.path.display());
-            println!("{reading}");
             let of_this = misjudged(&surface, &normal, truth);
             wrong.extend(of_this.into_iter().map(|w| format!("{reading}, {w}")));
         }
@@ -283,7 +286,6 @@ fn photographed_normal_maps_are_view_space() {
         });
         let (mask, window) = (Mask::full(w, h), Window::from_size(w, h));
         let verdict = judge_normal_space(&normal, &mask, None, None, None, window);
-        println!("{}: {}", path.display(), verdict.reason);
-        assert_eq!(verdict.conclusion, VIEW);
+        assert_eq!(verdict.conclusion, VIEW, "{name}: {}", verdict.reason);
     }
 }

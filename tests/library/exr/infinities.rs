@@ -1,12 +1,7 @@
 //! Values beyond half floats are clamped and counted, and never read back as infinite.
 
-use super::{TARGET, saved};
-use relievo::frame::{Plane, Window};
-use relievo::io::exr::{
-    ChannelId, Limits, OutputChannel, OutputCompression, OutputPart, OutputType, PartWriter,
-};
-use std::io::Cursor;
-use std::path::Path;
+use super::*;
+use relievo::io::exr::OutputCompression;
 
 const SIZE: [usize; 2] = [67, 40];
 
@@ -23,21 +18,11 @@ fn written(
         ("B", color),
         ("depth.Z", &depth),
     ];
+    let channels = channels.map(|(name, plane)| (name, plane, sample_type));
     let part = OutputPart {
-        name: "bright".into(),
-        data_window: Window::from_size(SIZE[0], SIZE[1]),
-        display_window: Window::from_size(SIZE[0], SIZE[1]),
-        pixel_aspect: 1.0,
-        channels: channels
-            .map(|(name, plane)| OutputChannel {
-                name: name.into(),
-                plane,
-                sample_type,
-            })
-            .into(),
-        attributes: Vec::new(),
         chromaticities: None,
         compression,
+        ..part_of("bright", Window::from_size(SIZE[0], SIZE[1]), &channels)
     };
     let mut file = Cursor::new(Vec::new());
     let writer = PartWriter::create(&mut file, Path::new(TARGET), &part.description());
@@ -55,10 +40,8 @@ fn written(
 }
 
 fn largest(plane: &Plane) -> f32 {
-    plane
-        .samples()
-        .iter()
-        .fold(0.0, |most, v| v.abs().max(most))
+    let sizes = plane.samples().iter().map(|v| v.abs());
+    sizes.fold(0.0, f32::max)
 }
 
 #[test]
