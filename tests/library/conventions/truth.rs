@@ -1,5 +1,6 @@
 //! One scene with all values known, and the error of a frame against it.
 
+use crate::common::{largest, places};
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Frame, Plane, Projection, Window};
 use relievo::scenes::{Exact, ExactScene, Surface};
@@ -106,46 +107,38 @@ impl Truth {
         self.value(0.0, |_| 1.0)
     }
 
+    /// The pixels that show the scene.
+    fn all_seen(&self) -> impl Iterator<Item = (usize, usize, Exact)> {
+        places(WIDTH, HEIGHT).filter_map(|(x, y)| Some((x, y, self.seen.at(x, y)?)))
+    }
+
     /// Largest angle, in degrees, between the normals of a frame and the true ones.
     pub(crate) fn worst_angle_deg(&self, frame: &Frame) -> f64 {
-        let mut worst = 0.0f64;
-        for (x, y) in pixels() {
-            let Some(seen) = self.seen.at(x, y).as_ref().copied() else {
-                continue;
-            };
-            let n = frame.normal.at(x, y);
+        largest(self.all_seen().map(|(x, y, seen)| {
             // From the chord: the cosine rounds below 0.03 degrees.
-            let angle = 2.0 * (0.5 * n.distance(seen.normal)).min(1.0).asin();
-            worst = worst.max(angle.to_degrees());
-        }
-        worst
+            let chord = frame.normal.at(x, y).distance(seen.normal);
+            2.0 * (0.5 * chord).min(1.0).asin().to_degrees()
+        }))
     }
 
     /// Number of pixels where a frame's mask differs from the true one.
     pub(crate) fn mask_errors(&self, frame: &Frame) -> usize {
         let wrong = |&(x, y): &(usize, usize)| frame.mask.at(x, y) != self.seen.at(x, y).is_some();
-        pixels().filter(wrong).count()
+        places(WIDTH, HEIGHT).filter(wrong).count()
     }
 
     /// Largest relative error of depth; of planar depth, or of distance along the sight line, with `unit` units of it
     /// per unit of the scene.
     pub(crate) fn worst_depth(&self, frame: &Frame, along_ray: bool, unit: f64) -> f64 {
         let depth = frame.depth.as_ref().expect("a frame with depth");
-        let mut worst = 0.0f64;
-        for (x, y) in pixels() {
-            if let Some(seen) = self.seen.at(x, y) {
-                let exact = if along_ray {
-                    seen.point.length()
-                } else {
-                    seen.depth
-                };
-                worst = worst.max((f64::from(depth.at(x, y)) / (exact * UNIT * unit) - 1.0).abs());
-            }
-        }
-        worst
+        largest(self.all_seen().map(|(x, y, seen)| {
+            let planar = !along_ray;
+            let exact = if planar {
+                seen.depth
+            } else {
+                seen.point.length()
+            };
+            (f64::from(depth.at(x, y)) / (exact * UNIT * unit) - 1.0).abs()
+        }))
     }
-}
-
-fn pixels() -> impl Iterator<Item = (usize, usize)> {
-    (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)))
 }
