@@ -192,6 +192,13 @@ pub fn without_depth(frame: Frame) -> Frame {
     }
 }
 
+/// Sets the normal of a pixel.
+pub fn set_normal(planes: &mut Vector3Planes, x: usize, y: usize, n: Vec3) {
+    let planes = [&mut planes.x, &mut planes.y, &mut planes.z];
+    let components = planes.into_iter().zip(n.to_array());
+    components.for_each(|(plane, v)| plane.row_mut(y)[x] = v);
+}
+
 /// The direction at a pixel.
 pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
     DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())

@@ -3,9 +3,12 @@
 use crate::common::cpu;
 use crate::common::exr::Stored;
 use crate::common::planes::planes;
-use crate::common::{default_but, places, poisoned, through_a_file, without_depth};
+use crate::common::{
+    channels, colors, covered, default_but, places, poisoned, set_normal, through_a_file,
+    without_depth,
+};
 use glam::Vec3;
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane};
 use relievo::io::Loaded;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
@@ -16,52 +19,42 @@ const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 
 /// Settings at the ends of their ranges, and usual ones.
 fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let step = |at| SoftThreshold { lo: at, hi: at };
-    let shaped = |change: &dyn Fn(&mut ShapeParams)| default_but(|shape| change(shape));
-    let scaled = |change: &dyn Fn(&mut ScalingParams)| default_but(|scaling| change(scaling));
-    let iterations = |n| shaped(&|shape| shape.scale = Scale::Iterations(n));
-    let foreshortening = |power| shaped(&|shape| shape.foreshortening = power);
-    let referring = |height| shaped(&|shape| shape.reference_height = Some(height));
-    let magnitude = |magnitude, invariant_point| ScalingParams {
-        scaling: magnitude,
-        invariant_point,
-        ..scaling
-    };
-    let gain = |gain| ScalingParams {
-        curvature_gain: Adaptive::Fixed(gain),
-        ..magnitude(1e3, 0.5)
-    };
-    let white = |level| scaled(&|scaling| scaling.white_level = Adaptive::Fixed(level));
-    let everything_an_edge = ShapeParams {
-        silhouette: step(0.0),
-        occlusion_silhouette: step(0.0),
-        crease: step(0.0),
-        ..shape
-    };
-    let nothing_an_edge = ShapeParams {
-        silhouette: step(1e30),
-        occlusion_silhouette: step(1e30),
-        crease: step(1e30),
-        time_step: 0.25,
-        ..iterations(40)
-    };
+    type Change = (&'static str, fn(&mut ShapeParams, &mut ScalingParams));
     #[rustfmt::skip]
-    let all = vec![
-        ("usual", shape, scaling),
-        ("no diffusion, scaled by 0", iterations(0), magnitude(0.0, 0.25)),
-        ("scaled by 1000 about 0", foreshortening(1.0), magnitude(1e3, 0.0)),
-        ("scaled by 1000 about 1", foreshortening(4.0), magnitude(1e3, 1.0)),
-        ("gain 1e30", foreshortening(4.0), gain(1e30)),
-        ("gain 1e-30", foreshortening(0.4), gain(1e-30)),
-        ("white level 1e-30", iterations(0), white(1e-30)),
-        ("white level 1e30", iterations(1), white(1e30)),
-        ("the least reference", referring(1), scaling),
-        ("the greatest reference", referring(u32::MAX), scaling),
-        ("everything an edge", everything_an_edge, scaling),
-        ("nothing an edge", nothing_an_edge, scaling),
+    let all: [Change; 12] = [
+        ("usual", |_, _| ()),
+        ("no diffusion, scaled by 0", |s, l| (s.scale, l.scaling) = (Scale::Iterations(0), 0.0)),
+        ("scaled by 1000 about 0", |s, l| (s.foreshortening, l.scaling, l.invariant_point) = (1.0, 1e3, 0.0)),
+        ("scaled by 1000 about 1", |s, l| (s.foreshortening, l.scaling, l.invariant_point) = (4.0, 1e3, 1.0)),
+        ("gain 1e30", |s, l| {
+            (s.foreshortening, l.curvature_gain) = (4.0, Adaptive::Fixed(1e30));
+            (l.scaling, l.invariant_point) = (1e3, 0.5);
+        }),
+        ("gain 1e-30", |s, l| {
+            (s.foreshortening, l.curvature_gain) = (0.4, Adaptive::Fixed(1e-30));
+            (l.scaling, l.invariant_point) = (1e3, 0.5);
+        }),
+        ("white level 1e-30", |s, l| (s.scale, l.white_level) = (Scale::Iterations(0), Adaptive::Fixed(1e-30))),
+        ("white level 1e30", |s, l| (s.scale, l.white_level) = (Scale::Iterations(1), Adaptive::Fixed(1e30))),
+        ("the least reference", |s, _| s.reference_height = Some(1)),
+        ("the greatest reference", |s, _| s.reference_height = Some(u32::MAX)),
+        ("everything an edge", |s, _| edges_at(s, 0.0)),
+        ("nothing an edge", |s, _| {
+            edges_at(s, 1e30);
+            (s.time_step, s.scale) = (0.25, Scale::Iterations(40));
+        }),
     ];
-    all
+    let changed = all.map(|(name, change)| {
+        let (mut shape, mut scaling) = Default::default();
+        change(&mut shape, &mut scaling);
+        (name, shape, scaling)
+    });
+    changed.into()
+}
+
+fn edges_at(shape: &mut ShapeParams, at: f32) {
+    let step = SoftThreshold { lo: at, hi: at };
+    (shape.silhouette, shape.occlusion_silhouette, shape.crease) = (step, step, step);
 }
 
 fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -> Plan {
@@ -123,20 +116,17 @@ fn rough(width: usize, height: usize) -> Frame {
             _ => n.normalize_or_zero() * length,
         }
     });
-    let colors = [-3.0, 0.0, 50.0, 65504.0, -65504.0, 1e-38, 0.5, 1.0];
+    let extremes = [-3.0, 0.0, 50.0, 65504.0, -65504.0, 1e-38, 0.5, 1.0];
     let plane = |at: &dyn Fn(usize, usize) -> f32| Plane::from_fn(width, height, at);
-    let color = |c| plane(&|x, y| colors[(noise(x, y, c) * 7.99) as usize]);
     Frame {
         mask: Mask::full(width, height),
         normal,
         normal_length: Some(plane(&|x, y| 1.02 * noise(x, y, 5))),
         depth: Some(plane(&|x, y| 10.0_f32.powf(12.0 * noise(x, y, 6) - 6.0))),
         occlusion: Some(plane(&|x, y| noise(x, y, 7))),
-        color: Some(ColorPlanes {
-            r: color(8),
-            g: color(9),
-            b: color(10),
-        }),
+        color: Some(colors([width, height], |i, x, y| {
+            extremes[(noise(x, y, 8 + i as u32) * 7.99) as usize]
+        })),
         camera: None,
         ..ball(width, height)
     }
@@ -184,114 +174,96 @@ fn hostile_frames() -> Vec<(&'static str, Frame)> {
     ]
 }
 
+/// Colours far beyond any display, and beyond the range that most settings can scale within a float: the largest scaling, e^60 or
+/// 1e26, would overflow for these.
+fn enormous() -> Frame {
+    let bright = |x: usize, y: usize| [1e30, -1e30, 0.5][(x + y) % 3];
+    let color = colors([29, 23], |i, x, y| [1.0, 0.1, 1.0][i] * bright(x, y));
+    Frame {
+        color: Some(color),
+        ..ball(29, 23)
+    }
+}
+
 #[test]
 fn no_setting_makes_a_hostile_frame_give_anything_but_numbers() {
     for (name, frame) in hostile_frames() {
         assert_finite(&frame, name);
     }
-}
-
-#[test]
-fn very_wide_and_very_tall_frames_pass() {
+    assert_finite(&enormous(), "colours of 1e30");
     let settings = settings();
     let some = [settings[0], settings[3]];
-    assert_finite_under(&rough(65535, 3), "65535x3", &some);
-    assert_finite_under(&rough(3, 65535), "3x65535", &some);
-    assert_finite_under(&rough(65535, 1), "65535x1", &some);
-}
-
-#[test]
-fn long_diffusion_settles() {
+    for (width, height) in [(65535, 3), (3, 65535), (65535, 1)] {
+        assert_finite_under(&rough(width, height), &format!("{width}x{height}"), &some);
+    }
+    // Long diffusion settles.
     let many = default_but(|shape: &mut ShapeParams| shape.scale = Scale::Iterations(20_000));
-    let settings = [("20000 steps", many, ScalingParams::default())];
-    assert_finite_under(&rough(13, 11), "rough", &settings);
-    assert_finite_under(&ball(13, 11), "ball", &settings);
-}
-
-/// Colours far beyond any display, and beyond the range that most settings can scale within a float.
-#[test]
-fn enormous_colours_stay_finite() {
-    let lit = |peak: f32| {
-        let bright = Plane::from_fn(29, 23, |x, y| match (x + y) % 3 {
-            0 => peak,
-            1 => -peak,
-            _ => 0.5,
-        });
-        Frame {
-            color: Some(ColorPlanes {
-                r: bright.clone(),
-                g: bright.map(|v| 0.1 * v),
-                b: bright,
-            }),
-            ..ball(29, 23)
-        }
-    };
-    // The largest scaling, e^60 or 1e26, would overflow for these.
-    assert_finite(&lit(1e30), "colours of 1e30");
+    let many = [("20000 steps", many, ScalingParams::default())];
+    assert_finite_under(&rough(13, 11), "rough", &many);
+    assert_finite_under(&ball(13, 11), "ball", &many);
 }
 
 #[test]
 fn poison_outside_the_mask_changes_no_bit_inside() {
     let (w, h) = (29, 23);
     let scattered = || masked(rough(w, h), |x, y| noise(x, y, 11) > 0.3);
+    let balls = ExactScene::two_balls(6.0, 9.0, 14.3, 11.6).in_perspective();
+    let axis = glam::DVec3::new(0.6, 0.5, 0.45);
+    let cylinder = ExactScene::orthographic(Surface::cylinder(7.0, axis), 14.0, 11.0);
     let frames = [
         ("ball", ball(w, h)),
         ("ball, no depth", without_depth(ball(w, h))),
+        ("two balls in perspective", balls.frame(w, h)),
+        ("cylinder", cylinder.frame(w, h)),
         ("one pixel", masked(rough(w, h), |x, y| (x, y) == (14, 11))),
         ("checkerboard", masked(rough(w, h), |x, y| (x + y) % 2 == 0)),
         ("scattered", scattered()),
         ("scattered, no depth", without_depth(scattered())),
     ];
     for (name, frame) in frames {
-        let inside = frame.mask.plane().samples().to_vec();
+        let inside = frame.mask.plane().samples();
         assert!(inside.contains(&true) && inside.contains(&false), "{name}");
-        for poison in [f32::NAN, f32::INFINITY, -1e30] {
-            let spoilt = spoilt(&frame, poison);
-            for (setting, shape, scaling) in settings() {
-                for goal in GOALS {
-                    let case = format!("{name}, {setting}, {goal:?}, {poison}");
-                    let clean = cpu::run(&plan(goal, &frame, shape, scaling), &frame).unwrap();
-                    let other = cpu::run(&plan(goal, &spoilt, shape, scaling), &spoilt).unwrap();
-                    let bits = |v: Option<f32>| v.map(f32::to_bits);
-                    assert_eq!(bits(clean.gain), bits(other.gain), "{case}");
-                    assert_eq!(bits(clean.white_level), bits(other.white_level), "{case}");
-                    let (clean, other) = (planes(&clean), planes(&other));
-                    assert_eq!(clean.len(), other.len(), "{case}");
-                    for ((quantity, a), (_, b)) in clean.into_iter().zip(other) {
-                        let samples = a.samples().iter().zip(b.samples()).zip(&inside);
-                        let differ = |((a, b), inside): ((&f32, &f32), &bool)| {
-                            *inside && a.to_bits() != b.to_bits()
-                        };
-                        assert_eq!(
-                            samples.filter(|s| differ(*s)).count(),
-                            0,
-                            "{case}: {quantity}"
-                        );
-                    }
+        let spoilt = [f32::NAN, f32::INFINITY, -1e30].map(|poison| spoilt(&frame, poison));
+        for (setting, shape, scaling) in settings() {
+            for goal in GOALS {
+                let run = |frame| inside_of(&plan(goal, frame, shape, scaling), frame);
+                let clean = run(&frame);
+                for (i, spoilt) in spoilt.iter().enumerate() {
+                    assert!(run(spoilt) == clean, "{name}, {setting}, {goal:?}, {i}");
                 }
             }
         }
     }
 }
 
+/// The bits that a run chooses, and those of all planes where there is a surface.
+fn inside_of(plan: &Plan, frame: &Frame) -> Vec<(&'static str, Vec<u32>)> {
+    let outcome = cpu::run(plan, frame).unwrap();
+    let chosen = [outcome.gain, outcome.white_level].into_iter().flatten();
+    let chosen = ("chosen", chosen.map(f32::to_bits).collect());
+    let planes = planes(&outcome).into_iter().map(|(name, plane)| {
+        let inside = covered(&frame.mask).map(|(x, y)| plane.at(x, y).to_bits());
+        (name, inside.collect())
+    });
+    std::iter::once(chosen).chain(planes).collect()
+}
+
 /// The frame with every plane poisoned outside the mask, the picture and its coverage too.
 fn spoilt(frame: &Frame, poison: f32) -> Frame {
     let spoil = |plane: &Plane| {
-        let at = |x, y| {
-            if frame.mask.at(x, y) {
-                plane.at(x, y)
-            } else {
-                poison
+        Plane::from_fn(plane.width(), plane.height(), |x, y| {
+            match frame.mask.at(x, y) {
+                true => plane.at(x, y),
+                false => poison,
             }
-        };
-        Plane::from_fn(plane.width(), plane.height(), at)
+        })
     };
-    let colors = |c: &ColorPlanes| {
-        let [r, g, b] = [&c.r, &c.g, &c.b].map(spoil);
+    let spoilt = |c: &ColorPlanes| {
+        let [r, g, b] = channels(c).map(spoil);
         ColorPlanes { r, g, b }
     };
     Frame {
-        color: frame.color.as_ref().map(colors),
+        color: frame.color.as_ref().map(spoilt),
         alpha: frame.alpha.as_ref().map(spoil),
         // An occlusion map has no mask of its own: its values beside the surface belong to the border.
         ..poisoned(frame, poison)
@@ -300,59 +272,37 @@ fn spoilt(frame: &Frame, poison: f32) -> Frame {
 
 // Through files.
 
-/// The layers of a small render, to be spoilt and written.
-#[derive(Clone)]
-struct Render {
-    normal: Vector3Planes,
-    depth: Option<Plane>,
-    color: ColorPlanes,
-    alpha: Option<Plane>,
+/// A gentle relief that fills the picture, of which a test spoils some samples.
+fn relief(width: usize, height: usize) -> Frame {
+    let normal = normals(width, height, |x, y| {
+        Vec3::new(0.3 * (x as f32).sin(), 0.2 * (y as f32).cos(), 1.0).normalize()
+    });
+    let color = |i: usize, x: usize, y: usize| 0.1 * (i + 1) as f32 + 0.01 * [x, y, 0][i] as f32;
+    let depth = |x, y| 5.0 + 0.01 * (x + y) as f32;
+    Frame {
+        depth: Some(Plane::from_fn(width, height, depth)),
+        color: Some(colors([width, height], color)),
+        alpha: Some(Plane::filled(width, height, 1.0)),
+        ..Frame::of_normals(normal, Mask::full(width, height))
+    }
 }
 
-impl Render {
-    /// A gentle relief that fills the picture.
-    fn new(width: usize, height: usize) -> Self {
-        let normal = normals(width, height, |x, y| {
-            Vec3::new(0.3 * (x as f32).sin(), 0.2 * (y as f32).cos(), 1.0).normalize()
-        });
-        let plane = |f: fn(usize, usize) -> f32| Plane::from_fn(width, height, f);
-        Self {
-            normal,
-            depth: Some(plane(|x, y| 5.0 + 0.01 * (x + y) as f32)),
-            color: ColorPlanes {
-                r: plane(|x, _| 0.1 + 0.01 * x as f32),
-                g: plane(|_, y| 0.2 + 0.01 * y as f32),
-                b: plane(|_, _| 0.3),
-            },
-            alpha: Some(plane(|_, _| 1.0)),
-        }
-    }
-
-    /// Writes it with samples of `stored`, and loads it.
-    fn through_a_file(&self, stored: Stored) -> Loaded {
-        let (normal, color) = (&self.normal, &self.color);
-        let layers = [
-            ("R", Some(&color.r)),
-            ("G", Some(&color.g)),
-            ("B", Some(&color.b)),
-            ("A", self.alpha.as_ref()),
-            ("N.x", Some(&normal.x)),
-            ("N.y", Some(&normal.y)),
-            ("N.z", Some(&normal.z)),
-            ("Z", self.depth.as_ref()),
-        ];
-        let there = layers.into_iter();
-        let there = there.filter_map(|(name, plane)| Some((name, plane?)));
-        let there: Vec<_> = there.collect();
-        through_a_file(&there, stored)
-    }
+/// The frame from a file with samples of `stored`.
+fn read(frame: &Frame, stored: Stored) -> Loaded {
+    let (n, color) = (&frame.normal, frame.color.as_ref().unwrap());
+    let mut layers = vec![("R", &color.r), ("G", &color.g), ("B", &color.b)];
+    layers.extend([("N.x", &n.x), ("N.y", &n.y), ("N.z", &n.z)]);
+    layers.extend(frame.alpha.iter().map(|plane| ("A", plane)));
+    layers.extend(frame.depth.iter().map(|plane| ("Z", plane)));
+    through_a_file(&layers, stored)
 }
 
 /// Expects a frame without NaN, infinity or sentinel, and results to match.
 fn assert_clean(frame: &Frame, name: &str) {
     let (normal, color) = (&frame.normal, frame.color.as_ref().unwrap());
-    #[rustfmt::skip]
-    let planes = [&normal.x, &normal.y, &normal.z, &color.r, &color.g, &color.b];
+    let planes = [
+        &normal.x, &normal.y, &normal.z, &color.r, &color.g, &color.b,
+    ];
     let others = [
         &frame.normal_length,
         &frame.depth,
@@ -375,90 +325,94 @@ fn assert_clean(frame: &Frame, name: &str) {
     assert_finite(frame, name);
 }
 
+const NAN: f32 = f32::NAN;
+const INF: f32 = f32::INFINITY;
+
+#[rustfmt::skip]
+const NO_NORMALS: [[f32; 3]; 10] = [
+    [NAN, 0.0, 1.0], [0.0, NAN, 1.0], [0.0, 0.0, NAN], [NAN; 3], [INF, 0.0, 0.0], [0.0, -INF, 1.0], [0.0, 0.0, INF],
+    [0.0; 3], [0.0, -0.0, 1e-30], [3e38; 3],
+];
+#[rustfmt::skip]
+const NORMALS: [[f32; 3]; 7] = [
+    [1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.6, 0.0, -0.8], [0.0, 0.0, -1.0], [0.588, 0.0, 0.784], [0.0, 0.612, 0.816],
+    [0.0, 0.0, 0.2],
+];
+
 #[test]
-fn normals_without_direction_are_left_out_and_no_others() {
-    let (nan, inf) = (f32::NAN, f32::INFINITY);
-    let cases = [
-        (Vec3::new(nan, 0.0, 1.0), false),
-        (Vec3::new(0.0, nan, 1.0), false),
-        (Vec3::new(0.0, 0.0, nan), false),
-        (Vec3::splat(nan), false),
-        (Vec3::new(inf, 0.0, 0.0), false),
-        (Vec3::new(0.0, -inf, 1.0), false),
-        (Vec3::new(0.0, 0.0, inf), false),
-        (Vec3::ZERO, false),
-        (Vec3::new(0.0, -0.0, 1e-30), false),
-        (Vec3::splat(3e38), false),
-        (Vec3::new(1.0, 0.0, 0.0), true),
-        (Vec3::new(0.6, 0.8, 0.0), true),
-        (Vec3::new(0.6, 0.0, -0.8), true),
-        (Vec3::NEG_Z, true),
-        (0.98 * Vec3::new(0.6, 0.0, 0.8), true),
-        (1.02 * Vec3::new(0.0, 0.6, 0.8), true),
-        (0.2 * Vec3::Z, true),
-    ];
-    for with_depth in [true, false] {
-        for stored in [Stored::Float, Stored::Half] {
-            let (width, height) = (2 * cases.len() + 1, 7);
-            let mut render = Render::new(width, height);
-            render.depth = render.depth.filter(|_| with_depth);
-            for (i, (n, _)) in cases.iter().enumerate() {
-                render.normal.x.row_mut(3)[2 * i + 1] = n.x;
-                render.normal.y.row_mut(3)[2 * i + 1] = n.y;
-                render.normal.z.row_mut(3)[2 * i + 1] = n.z;
-            }
-            let frame = render.through_a_file(stored).frame;
-            for (i, (n, covered)) in cases.iter().enumerate() {
-                // Half floats cannot hold 3e38: it becomes 65504 and so a normal of some direction.
-                if stored == Stored::Float || n.max_element() < 1e5 || !n.is_finite() {
-                    assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{n}");
-                }
-                assert!(frame.mask.at(2 * i, 3), "the neighbour of {n}");
-            }
-            assert!(frame.mask.count() >= width * height - cases.len());
-            assert_clean(&frame, &format!("normals, {stored:?}"));
+fn normals_without_direction_and_colours_that_are_no_numbers_are_replaced() {
+    let (none, some) = (NO_NORMALS.map(|n| (n, false)), NORMALS.map(|n| (n, true)));
+    let cases = [&none[..], &some].concat();
+    let (width, height) = (2 * cases.len() + 1, 7);
+    for (with_depth, stored) in [
+        (true, Stored::Float),
+        (true, Stored::Half),
+        (false, Stored::Float),
+        (false, Stored::Half),
+    ] {
+        let mut frame = relief(width, height);
+        frame.depth = frame.depth.filter(|_| with_depth);
+        for (i, (n, _)) in cases.iter().enumerate() {
+            set_normal(&mut frame.normal, 2 * i + 1, 3, Vec3::from(*n));
         }
+        let hostile = [NAN, INF, -INF, -3.0, 50.0, 60000.0, 1e-7, -0.0];
+        let color = frame.color.as_mut().unwrap();
+        color.r.row_mut(5)[..8].copy_from_slice(&hostile);
+        color.g.row_mut(5)[1..9].copy_from_slice(&hostile);
+        let alpha = frame.alpha.as_mut().unwrap();
+        alpha.row_mut(5)[..3].copy_from_slice(&[NAN, INF, -1.0]);
+        let Loaded {
+            frame, warnings, ..
+        } = read(&frame, stored);
+        for (i, (n, covered)) in cases.iter().enumerate() {
+            // Half floats cannot hold 3e38: it becomes 65504 and so a normal of some direction.
+            if stored == Stored::Float || *n != [3e38; 3] {
+                assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{n:?}");
+            }
+            assert!(frame.mask.at(2 * i, 3), "the neighbour of {n:?}");
+        }
+        // Two pixels of no coverage.
+        assert!(frame.mask.count() >= width * height - cases.len() - 2);
+        let is_told = warnings.iter().any(|text| text.starts_with("8 colour"));
+        assert!(is_told, "{warnings:?}");
+        let red = &frame.color.as_ref().unwrap().r;
+        assert_eq!(red.row(5)[..5], [0.0, 65504.0, -65504.0, -3.0, 50.0]);
+        assert_clean(&frame, &format!("{stored:?}, depth {with_depth}"));
     }
 }
 
 #[test]
 fn depth_that_is_no_distance_is_left_out_and_no_other() {
-    let cases = [
-        (f32::NAN, false),
-        (f32::INFINITY, false),
-        (f32::NEG_INFINITY, false),
-        (1e10, false),
-        (1e30, false),
-        (f32::MAX, false),
-        (65504.0, false),
-        (0.0, false),
-        (-0.0, false),
-        (-5.0, false),
-        (1e-6, true),
-        (1e-3, true),
-        (1.0, true),
-        (1e3, true),
-        (1e6, true),
-    ];
+    let none = [
+        NAN,
+        INF,
+        -INF,
+        1e10,
+        1e30,
+        f32::MAX,
+        65504.0,
+        0.0,
+        -0.0,
+        -5.0,
+    ]
+    .map(|z| (z, false));
+    let some = [1e-6, 1e-3, 1.0, 1e3, 1e6].map(|z| (z, true));
+    let cases = [&none[..], &some].concat();
     // Three columns wide: single samples that are missing are filled.
-    let mut render = Render::new(4 * cases.len() + 1, 7);
-    let depth = render.depth.as_mut().unwrap();
+    let mut relief = relief(4 * cases.len() + 1, 7);
+    let depth = relief.depth.as_mut().unwrap();
     for (i, (value, _)) in cases.iter().enumerate() {
         (0..7).for_each(|y| depth.row_mut(y)[4 * i + 1..][..3].fill(*value));
     }
-    let frame = render.through_a_file(Stored::Float).frame;
+    let frame = read(&relief, Stored::Float).frame;
     for (i, (value, covered)) in cases.iter().enumerate() {
-        for x in 1..4 {
-            assert_eq!(frame.mask.at(4 * i + x, 3), *covered, "{value}");
-        }
-        assert!(frame.mask.at(4 * i, 3), "the neighbour of {value}");
+        let row = [0, 1, 2, 3].map(|x| frame.mask.at(4 * i + x, 3));
+        assert_eq!(row, [true, *covered, *covered, *covered], "{value}");
     }
     assert_clean(&frame, "depths in one frame");
-
     for (value, covered) in cases {
-        let mut render = Render::new(9, 7);
-        render.depth = Some(Plane::filled(9, 7, value));
-        let loaded = render.through_a_file(Stored::Float);
+        let everywhere = depth_of(self::relief(9, 7), |_, _| value);
+        let loaded = read(&everywhere, Stored::Float);
         let expected = if covered { 9 * 7 } else { 0 };
         assert_eq!(loaded.frame.mask.count(), expected, "{value}");
         let warned = loaded.warnings.iter().any(|w| w.contains("no pixel shows"));
@@ -468,33 +422,14 @@ fn depth_that_is_no_distance_is_left_out_and_no_other() {
 }
 
 #[test]
-fn colours_that_are_no_numbers_are_told_and_replaced() {
-    for stored in [Stored::Float, Stored::Half] {
-        let mut render = Render::new(11, 9);
-        let (nan, inf) = (f32::NAN, f32::INFINITY);
-        let hostile = [nan, inf, -inf, -3.0, 50.0, 60000.0, 1e-7, -0.0];
-        render.color.r.row_mut(4)[..8].copy_from_slice(&hostile);
-        render.color.g.row_mut(4)[1..9].copy_from_slice(&hostile);
-        render.alpha.as_mut().unwrap().row_mut(4)[..3].copy_from_slice(&[nan, inf, -1.0]);
-        let loaded = render.through_a_file(stored);
-        let is_told = loaded.warnings.iter().any(|w| w.starts_with("8 colour"));
-        assert!(is_told, "{:?}", loaded.warnings);
-        let red = &loaded.frame.color.as_ref().unwrap().r;
-        assert_eq!(red.row(4)[..5], [0.0, 65504.0, -65504.0, -3.0, 50.0]);
-        assert_clean(&loaded.frame, &format!("colours, {stored:?}"));
-    }
-}
-
-#[test]
 fn files_of_any_size_pass() {
     for (width, height) in [(1, 1), (1, 33), (33, 1), (2, 2), (3, 65535), (65535, 3)] {
-        let loaded = Render::new(width, height).through_a_file(Stored::Float);
+        let loaded = read(&relief(width, height), Stored::Float);
         let name = format!("{width}x{height}");
         assert_eq!(loaded.frame.mask.count(), width * height, "{name}");
-        if width.max(height) < 1000 {
-            assert_clean(&loaded.frame, &name);
-        } else {
-            assert_finite_under(&loaded.frame, &name, &[settings()[0]]);
+        match width.max(height) < 1000 {
+            true => assert_clean(&loaded.frame, &name),
+            false => assert_finite_under(&loaded.frame, &name, &[settings()[0]]),
         }
     }
 }
