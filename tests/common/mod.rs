@@ -8,6 +8,7 @@ pub mod damage;
 pub mod exr;
 pub mod files;
 pub mod planes;
+pub mod prelude;
 pub mod program;
 pub mod real_files;
 pub mod relit;

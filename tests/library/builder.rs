@@ -1,22 +1,17 @@
 //! Frames from samples in memory: equal to those from files bit for bit, in any layout, and refused with a reason.
 
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use ::exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
 use ndarray::{Array3, ArrayView3, Axis, ShapeBuilder};
-use relievo::frame::{
-    Camera, ColorPlanes, DepthKind, Flip, Frame, LightLayers, Lobe, LobeLayer, NormalSpace,
-    Normals, Plane, Projection, Samples, StoredDepth, Window,
-};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
-use relievo::io::inputs::{KnownCamera, LightInputs, LobeChoice, NormalEncoding};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The channels of the only part of a file, as stored.
 fn raw_channels(path: &Path) -> BTreeMap<String, FlatSamples> {
-    let image = exr::prelude::read()
+    let image = ::exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()

@@ -1,16 +1,7 @@
 //! Contours in scenes with known edges: their positions and widths, one for each edge, and their junctions.
 
-use crate::common::{
-    cpu, default_but, mirrored, mirrored_plane, on_threads, quarter_turned, quarter_turned_plane,
-};
-use glam::{DVec3, Vec2};
-use relievo::engine::Drawing;
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
+use crate::common::prelude::*;
 use relievo::line::contours::{Contour, ContourKind};
-use relievo::params::{ContourParams, LineParams, ObjectLines, StrokeScale};
-use relievo::plan::Tone;
-use relievo::scenes::frames::masked;
-use relievo::scenes::{ExactScene, Surface};
 use std::f32::consts::{PI, TAU};
 
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {

@@ -1,23 +1,7 @@
 //! The engine as a caller meets it: requests, and how they are run.
 
-use crate::common::{bits, default_but};
-use glam::{DAffine3, DVec3, Vec3};
+use crate::common::prelude::*;
 use relievo::Error;
-use relievo::engine::{
-    CancelToken, Drawing, Engine, PlanInputs, Progress, Request, Run, SequenceInputs, Session,
-};
-use relievo::frame::{
-    Camera, ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Plane, Projection,
-    Vector2Planes, Vector3Planes, Window,
-};
-use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{
-    Adaptive, AlbedoSource, LineParams, Params, RelightParams, Scale, ScalingParams, ShapeParams,
-    Style,
-};
-use relievo::plan::{Available, Goal, Plan, Tone};
-use relievo::product::Product;
-use relievo::scenes::Scene;
 use std::sync::Mutex;
 
 fn waves() -> Frame {

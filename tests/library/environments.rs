@@ -1,15 +1,11 @@
 //! Environments and lit spheres, from their files to the light they give.
 
 use crate::common::exr::{Part, Stored, write};
-use crate::common::real_files::real;
-use glam::{DVec3, Vec3};
-use relievo::frame::{ColorPlanes, Plane, Window};
+use crate::common::prelude::*;
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{read_environment, read_lit_sphere};
-use relievo::light::environment::Environment;
 use relievo::light::irradiance::irradiance;
 use relievo::light::light_samples::{uniform_directions, uniform_lights};
-use relievo::light::lights::DirectionalLight;
 use relievo::light::median_cut::median_cut;
 use std::io::Cursor;
 use std::path::Path;

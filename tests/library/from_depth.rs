@@ -2,12 +2,7 @@
 
 use crate::common::exr::Part;
 use crate::common::files::{load, try_load};
-use crate::common::places;
-use glam::DVec3;
-use relievo::frame::{Camera, Frame, Plane, Projection, StoredDepth};
-use relievo::io::Loaded;
-use relievo::io::inputs::{Inputs, KnownCamera};
-use relievo::scenes::{ExactScene, Surface};
+use crate::common::prelude::*;
 use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 80];

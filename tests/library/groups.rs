@@ -1,10 +1,8 @@
 //! Groups of layers, such as view layers: one is read, and nothing of the others.
 
-use crate::common::default_but;
 use crate::common::exr::{Part, write};
-use relievo::frame::{NormalSpace, Plane, Window};
-use relievo::io::inputs::{Inputs, LightInputs, LobeChoice, NormalEncoding, StoredDepth};
-use relievo::io::{Loaded, Needs, load, survey};
+use crate::common::prelude::*;
+use relievo::io::{load, survey};
 use std::path::{Path, PathBuf};
 
 /// A layer: its name, its components, and the value of each.

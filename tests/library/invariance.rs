@@ -1,15 +1,6 @@
 //! Invariance under mirrors, rotations, crops, windows, threads, tiles and any content outside the mask.
 
-use crate::common::planes::planes;
-use crate::common::{
-    apart, bits, cpu, mirrored, mirrored_plane, on_threads, quarter_turned, quarter_turned_plane,
-};
-use glam::DVec3;
-use relievo::engine::{Engine, Outcome, PlanInputs, Run};
-use relievo::frame::{Frame, Plane, Window};
-use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
-use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::{ExactScene, Surface};
+use crate::common::prelude::*;
 use std::num::NonZeroUsize;
 
 /// Every goal, with diffusion by steps and by expansion.

@@ -2,13 +2,9 @@
 
 use crate::common::exr::{Part, Stored, write};
 use crate::common::files::{load, try_load};
-use crate::common::{default_but, places};
-use relievo::frame::{Plane, Window};
-use relievo::io::inputs::Inputs;
+use crate::common::prelude::*;
 use relievo::io::roles::Role;
-use relievo::io::{Loaded, survey};
-use relievo::scenes::frames::noise;
-use relievo::scenes::{Exact, ExactScene, Surface};
+use relievo::io::survey;
 use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 80];

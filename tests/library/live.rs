@@ -1,18 +1,9 @@
 //! A session that keeps a frame gives the results of a fresh one, and recomputes only what a change affects.
 
 use crate::common::files::load;
-use crate::common::planes::planes;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::{bits, cpu, default_but};
-use relievo::engine::{self, Engine, Outcome, Run, Session};
-use relievo::frame::Frame;
-use relievo::io::inputs::LightInputs;
-use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{
-    Adaptive, AlbedoSource, LineParams, Method, RelightParams, Scale, ScalingParams, ShapeParams,
-    SoftThreshold, Solver, Style,
-};
-use relievo::plan::{Available, Goal, Plan, Tone};
+use relievo::engine;
 use std::collections::BTreeMap;
 
 fn bust() -> Frame {

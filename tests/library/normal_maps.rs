@@ -2,12 +2,9 @@
 
 use crate::common::exr::Part;
 use crate::common::files::{load, try_load};
-use crate::common::{covered, places};
-use glam::DVec3;
+use crate::common::prelude::*;
 use image::{Rgba, RgbaImage};
-use relievo::frame::{Flip, Plane};
-use relievo::io::inputs::NormalEncoding;
-use relievo::io::{Loaded, srgb};
+use relievo::io::srgb;
 use std::path::Path;
 
 const SIDE: u32 = 128;

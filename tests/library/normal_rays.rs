@@ -1,14 +1,6 @@
 //! Normal-ray principal directions against surfaces whose curvatures are known exactly.
 
-use crate::common::{
-    cpu, direction_at, in_8_bits, largest_turn_deg, mirrored, places, poisoned, quantile,
-    quarter_turned, rounded, without_depth,
-};
-use glam::{DMat3, DQuat, DVec2, DVec3};
-use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
-use relievo::params::{Adaptive, Scale, ShapeParams};
-use relievo::scenes::angle_deg;
-use relievo::scenes::{Exact, ExactScene, Surface};
+use crate::common::prelude::*;
 
 /// The direction layer of `frame`, and conductance.
 fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {

@@ -2,12 +2,8 @@
 
 use crate::common::exr::Part;
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::{covered, places};
-use glam::DVec3;
-use relievo::frame::{Mask, Plane, Vector3Planes};
-use relievo::io::Loaded;
-use relievo::io::inputs::{Flip, Inputs, StoredDepth};
 
 /// Normals and depth in view space.
 struct Scene {

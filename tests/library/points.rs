@@ -2,13 +2,8 @@
 
 use crate::common::exr::{Part, Stored};
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::{cpu, places};
-use glam::{DAffine3, DMat3, DQuat, DVec3};
-use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection, Vector3Planes};
-use relievo::params::ShapeParams;
-use relievo::plan::{Goal, Points};
-use relievo::scenes::{Exact, ExactScene, Surface};
 use std::fs;
 use std::path::Path;
 

@@ -3,13 +3,7 @@
 //! Lengths are in pixels at the reference height of 540 lines. Results are compared with the closed form, so the bounds
 //! also hold between any two resolutions, added up.
 
-use crate::common::{cpu, places};
-use glam::{DVec2, DVec3};
-use relievo::engine::Outcome;
-use relievo::frame::{Frame, Projection, Vector3Planes, Window};
-use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::{ExactScene, Surface};
+use crate::common::prelude::*;
 
 const REFERENCE: u32 = 540;
 const LINES: [usize; 3] = [270, 540, 1080];

@@ -1,19 +1,7 @@
 //! Hostile values: for any input from a file or a caller, no panic, and no NaN or infinity in a result.
 
-use crate::common::cpu;
 use crate::common::exr::Stored;
-use crate::common::planes::planes;
-use crate::common::{
-    channels, colors, covered, default_but, places, poisoned, set_normal, through_a_file,
-    without_depth,
-};
-use glam::Vec3;
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane};
-use relievo::io::Loaded;
-use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
-use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::frames::{masked, noise, normals};
-use relievo::scenes::{ExactScene, Surface};
+use crate::common::prelude::*;
 
 const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 

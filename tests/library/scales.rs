@@ -1,11 +1,7 @@
 //! Several scales, and scales of every pixel's own, from the sweeps of one.
 
 use crate::common::cpu::{self, described};
-use crate::common::{covered, default_but, places};
-use relievo::frame::{Frame, Plane, Vector2Planes};
-use relievo::params::{Scale, ShapeParams, Solver};
-use relievo::plan::{Goal, Plan};
-use relievo::scenes::ExactScene;
+use crate::common::prelude::*;
 
 /// Balls one before the other: silhouettes between them, smooth parts, uncovered ground.
 fn frame() -> Frame {

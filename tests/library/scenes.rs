@@ -1,8 +1,6 @@
 //! The scenes that other tests are measured against: what they say of slopes and curvature, by differences and closed forms.
 
-use crate::common::places;
-use glam::{DMat3, DQuat, DVec2, DVec3};
-use relievo::frame::Projection;
+use crate::common::prelude::*;
 use relievo::scenes::exact::{Exact, ExactScene, ball_trace, five_point};
 use relievo::scenes::surfaces::Surface;
 

@@ -1,12 +1,7 @@
 //! The shape descriptor against scenes whose normals, depth and derivatives are known exactly.
 
 use crate::common::cpu::described;
-use crate::common::{apart, default_but, mean, places};
-use glam::{DMat3, DQuat, DVec3};
-use relievo::frame::{Frame, Plane, Vector2Planes};
-use relievo::params::{Scale, ScalingParams, ShapeParams, SoftThreshold, Solver};
-use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::{Exact, ExactScene, Surface, ball_trace};
+use crate::common::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The surface itself: no diffusion, the viewer's height field.

@@ -1,9 +1,6 @@
 //! Silhouettes: gaps between surfaces, and nothing else.
 
-use crate::common::{cpu, places};
-use glam::{DAffine3, DVec3};
-use relievo::frame::{Camera, Frame, Mask, Plane, Projection, Vector3Planes};
-use relievo::params::ShapeParams;
+use crate::common::prelude::*;
 
 const SIDE: usize = 200;
 

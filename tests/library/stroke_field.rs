@@ -1,18 +1,8 @@
 //! The field of stroke directions against surfaces whose directions are known exactly.
 
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::{
-    covered, cpu, default_but, direction_at, in_8_bits, largest_turn_deg, mirrored, on_threads,
-    places, quantile, quarter_turned, without_depth,
-};
-use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
-use relievo::engine::{Engine, PlanInputs};
-use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Vector3Planes, Window};
-use relievo::params::{Fallback, FieldParams, LineParams, ShapeParams, StrokeDirections};
-use relievo::plan::Goal;
-use relievo::scenes::angle_deg;
-use relievo::scenes::{Exact, ExactScene, Surface};
 use std::f64::consts::{PI, TAU};
 
 fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> Vec<Vector2Planes> {

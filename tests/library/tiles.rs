@@ -1,15 +1,7 @@
 //! Pictures whose opposite borders continue each other.
 
 use crate::common::files::load;
-use crate::common::{default_but, places};
-use glam::DVec3;
-use relievo::engine::{Engine, Outcome, Request, Run};
-use relievo::frame::{Frame, Normals, Window};
-use relievo::io::inputs::Wrap;
-use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{Adaptive, AlbedoSource, Params, Scale, ScalingParams, ShapeParams};
-use relievo::plan::Goal;
-use relievo::product::Product;
+use crate::common::prelude::*;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 

@@ -5,10 +5,9 @@ use super::planes::strew;
 use super::shots::{Numbers, Scene, Seen, Shot, looking, panorama, perspective};
 use crate::common::exr::Part;
 use crate::common::files::load;
-use glam::{DAffine3, DMat3, DVec3, EulerRot};
-use relievo::frame::{DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
+use crate::common::prelude::*;
+use glam::EulerRot;
 use relievo::io::camera::{DepthCamera, RecoveryFailure, recover_camera_from_depth};
-use relievo::io::inputs::StoredDepth;
 
 struct Layers {
     normal: Vector3Planes,

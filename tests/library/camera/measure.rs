@@ -1,7 +1,6 @@
 //! Difference between a camera and the true one.
 
-use glam::{DMat3, DVec3};
-use relievo::frame::{Camera, Projection};
+use crate::common::prelude::*;
 use std::fmt::Debug;
 
 /// Angle, in degrees, from one rotation to another. Read off its sine: the cosine rounds below 1e-6.

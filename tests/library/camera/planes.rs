@@ -1,7 +1,6 @@
 //! Planes of vectors, made and spoiled.
 
-use glam::DVec3;
-use relievo::frame::{Plane, Vector3Planes};
+use crate::common::prelude::*;
 
 /// The same planes with every vector changed.
 pub(crate) fn mapped(planes: &Vector3Planes, change: impl Fn(DVec3) -> DVec3) -> Vector3Planes {

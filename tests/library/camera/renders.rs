@@ -5,16 +5,13 @@
 use super::measure::{focal_error, turn_between, turn_deg};
 use super::planes::mapped;
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::real_files::real;
-use glam::{DMat3, DVec3};
-use relievo::frame::{Camera, Mask, Plane, Vector3Planes, Window};
 use relievo::io::camera::{
     DepthCamera, RecoveredCamera, RecoveryFailure, read_camera, recover_camera,
     recover_camera_from_depth,
 };
 use relievo::io::exr::{ExrFile, Limits};
-use relievo::io::inputs::StoredDepth;
 use std::path::{Path, PathBuf};
 
 /// A render, with the camera it was made by beside it.

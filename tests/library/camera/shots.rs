@@ -1,9 +1,7 @@
 //! Pictures of small scenes, by cameras that are known.
 
-use crate::common::default_but;
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use crate::common::prelude::*;
 use half::f16;
-use relievo::frame::{Camera, Plane, Projection, Window};
 
 /// Scene hit by the sight lines.
 #[derive(Clone, Copy, PartialEq)]

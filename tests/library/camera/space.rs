@@ -2,10 +2,7 @@
 
 use super::planes::mapped;
 use super::renders::{Render, pictures};
-use crate::common::real_files::real;
-use glam::{DAffine3, DMat3, DVec3};
-use relievo::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
-use relievo::io::inputs::Flip;
+use crate::common::prelude::*;
 use relievo::io::normal_space::{
     NormalReading, NormalSpaceConclusion, NormalSpaceVerdict, judge_normal_space,
 };

@@ -1,8 +1,6 @@
 //! Every background of depth with every kind of depth.
 
 use super::*;
-use relievo::frame::DepthKind;
-use relievo::io::inputs::StoredDepth;
 
 /// A file with normals in view space, `background` where there is nothing, and this depth.
 fn loaded(

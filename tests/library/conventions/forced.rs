@@ -1,9 +1,6 @@
 //! Conventions found for one frame, forced on it: the same frame, bit for bit.
 
 use super::*;
-use crate::common::bits;
-use relievo::frame::{Frame, NormalSpace};
-use relievo::io::inputs::{Conventions, Flip, NormalEncoding, StoredDepth};
 
 /// All samples of a frame that conventions affect.
 fn samples(frame: &Frame) -> Vec<Vec<u32>> {

@@ -2,9 +2,6 @@
 
 use super::truth::{HEIGHT, WIDTH};
 use super::*;
-use crate::common::places;
-use relievo::frame::{NormalSpace, Window};
-use relievo::io::inputs::Flip;
 
 /// A normal and a depth channel of an eye, under the names that `name` makes; the right eye's normals are turned
 /// over, and its depth lies a unit farther.

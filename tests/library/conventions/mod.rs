@@ -8,10 +8,7 @@ mod truth;
 
 use crate::common::exr::{Part, Stored, write};
 use crate::common::files::try_load;
-use glam::DVec3;
-use relievo::frame::Plane;
-use relievo::io::inputs::Inputs;
-use relievo::io::{Loaded, Needs};
+use crate::common::prelude::*;
 use truth::{display, truth};
 
 const XYZ: [&str; 3] = ["X", "Y", "Z"];

@@ -7,9 +7,7 @@
 
 use super::truth::{FOCAL, HEIGHT, Truth, WIDTH};
 use super::*;
-use glam::{DAffine3, DMat3, DMat4};
-use relievo::frame::{DepthKind, NormalSpace};
-use relievo::io::inputs::{Flip, StoredDepth};
+use glam::DMat4;
 
 const FLOAT_DEG: f64 = 1e-3;
 const HALF_DEG: f64 = 0.025;

@@ -1,9 +1,6 @@
 //! One scene with all values known, and the error of a frame against it.
 
-use crate::common::{largest, places};
-use glam::{DAffine3, DMat3, DVec3};
-use relievo::frame::{Frame, Plane, Projection, Window};
-use relievo::scenes::{Exact, ExactScene, Surface};
+use crate::common::prelude::*;
 use std::sync::OnceLock;
 
 pub(crate) const WIDTH: usize = 160;

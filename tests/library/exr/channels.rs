@@ -1,9 +1,9 @@
 //! Channels added to a part: the existing ones stay, bit for bit.
 
 use super::*;
-use exr::prelude as reference;
-use exr::prelude::{AnyChannel, AnyChannels, Blocks, Compression, FlatSamples, LineOrder, Vec2};
-use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
+use ::exr::prelude as reference;
+use ::exr::prelude::{AnyChannel, AnyChannels, Blocks, Compression, FlatSamples, LineOrder, Vec2};
+use ::exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use half::f16;
 use relievo::io::exr::SampleType;
 

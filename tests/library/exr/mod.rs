@@ -5,9 +5,7 @@ mod claims;
 mod infinities;
 mod rows;
 
-use crate::common::bits;
-use crate::common::real_files::real;
-use relievo::frame::{Plane, Window};
+use crate::common::prelude::*;
 use relievo::io::exr::{
     ChannelId, ExrFile, Limits, Merged, OutputChannel, OutputPart, OutputType, PartWriter,
     write_results,

@@ -1,7 +1,6 @@
 //! Rows on demand, and files written strip by strip: both equal reading and writing whole.
 
 use super::*;
-use crate::common::apart;
 use relievo::io::exr::OutputCompression;
 
 /// The bits of the rows `rows`.

@@ -2,9 +2,6 @@
 
 use super::halo::{asked, asked_before, bare};
 use super::*;
-use glam::{DAffine3, DVec3};
-use relievo::frame::{Camera, Mask, Projection, Vector3Planes};
-use relievo::params::Background;
 
 const SIZE: [usize; 2] = [320, 240];
 

@@ -1,9 +1,6 @@
 //! Whole drawings of surfaces whose curvature is known.
 
 use super::*;
-use glam::DVec3;
-use relievo::params::{ContourParams, Fallback, StrokeDirections};
-use relievo::scenes::Surface;
 
 /// A surface in the middle of a square, its picture of this grey.
 fn seen(surface: Surface, side: usize, luminance: f32) -> Frame {

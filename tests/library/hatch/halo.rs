@@ -1,10 +1,6 @@
 //! Halos: paper left bare behind a rim in front, and nowhere on the surface that has the rim.
 
 use super::*;
-use glam::{DAffine3, DVec3};
-use relievo::frame::{Camera, Mask, Projection, Vector3Planes};
-use relievo::params::Background;
-use relievo::scenes::Surface;
 use std::collections::HashSet;
 
 /// The tone that strokes are to have, with a halo of this factor; levels are given, so that nothing else differs.

@@ -6,15 +6,9 @@ mod halo;
 mod stiff;
 mod strokes;
 
-use crate::common::{cpu, default_but, mean, on_threads, places};
-use relievo::engine::{Drawing, Engine, PlanInputs, Run};
-use relievo::frame::{Frame, Plane};
+use crate::common::prelude::*;
 use relievo::line::hatching::{Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
-use relievo::params::{Adaptive, LineParams, ShapeParams, StrokeParams, StrokeScale, Style};
-use relievo::plan::{Goal, Tone};
-use relievo::scenes::ExactScene;
-use relievo::scenes::frames::grey;
 
 const STYLES: [Style; 2] = [Style::Pen, Style::Pencil];
 

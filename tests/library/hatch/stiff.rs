@@ -1,11 +1,6 @@
 //! Frames and settings at their extremes: a drawing or a refusal, never a NaN.
 
 use super::*;
-use crate::common::{is_a_drawing, poisoned};
-use glam::DVec3;
-use relievo::params::StrokeDirections;
-use relievo::scenes::Surface;
-use relievo::scenes::frames::masked;
 
 /// Strokes at the ends of their ranges, and every style.
 fn settings() -> Vec<(&'static str, LineParams)> {

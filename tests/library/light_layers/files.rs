@@ -4,7 +4,6 @@ use super::*;
 use crate::common::bits as bits_of;
 use crate::common::exr::Part;
 use crate::common::program::{Desk, tells};
-use crate::common::real_files::real;
 
 const VIEW: &str = "--normal-space view --coverage mask";
 

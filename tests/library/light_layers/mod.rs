@@ -3,14 +3,8 @@
 
 mod files;
 
-use crate::common::{covered, cpu, places};
-use glam::Vec3;
-use relievo::engine::Outcome;
-use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane};
+use crate::common::prelude::*;
 use relievo::light::radiance_scaling::scaling;
-use relievo::params::{Adaptive, ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, Plan};
-use relievo::scenes::{ExactScene, Surface};
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 const WIDTH: usize = 61;

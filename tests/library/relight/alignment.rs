@@ -1,11 +1,7 @@
 //! Light turned to the form.
 
 use super::{Asked, bits, covered, difference, lights, sky, torus_in_perspective};
-use crate::common::places;
-use glam::Vec3;
-use relievo::frame::{ColorPlanes, Frame, Normals};
-use relievo::light::lights::Illumination;
-use relievo::params::{Material, Method, SampleCount};
+use crate::common::prelude::*;
 
 fn aligned(material: Material) -> Asked {
     Asked::of(material, Method::Align)

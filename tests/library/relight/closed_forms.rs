@@ -1,15 +1,9 @@
 //! Scenes whose light is known: furnaces, planes, mirrors, spheres, environments of one direction.
 
 use super::{Asked, covered, lights, sky, surroundings, torus, torus_in_perspective};
-use crate::common::places;
-use glam::{DVec3, Vec3};
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
-use relievo::light::environment::Environment;
+use crate::common::prelude::*;
 use relievo::light::light_samples::light_disc;
-use relievo::light::lights::{Illumination, direction_of};
 use relievo::light::lit_sphere::LitSphere;
-use relievo::params::{Adaptive, AlbedoSource, Material, Method, SampleCount, WarpBy};
-use relievo::scenes::{ExactScene, Surface};
 
 fn constant() -> Environment {
     Environment::from_fn(64, 32, |_, _| [0.7, 0.7, 0.7])

@@ -1,13 +1,10 @@
 //! Environments to a stated error.
 
 use super::{Asked, covered, torus, torus_in_perspective};
+use crate::common::prelude::*;
 use crate::common::program::fixture;
 use crate::common::relit::surroundings;
-use glam::Vec3;
-use relievo::frame::{ColorPlanes, Frame};
 use relievo::io::read_environment;
-use relievo::light::environment::Environment;
-use relievo::params::{Adaptive, Material, Method, SampleCount};
 
 /// Grey levels of 255 by which 99 of 100 samples differ.
 fn p99(found: &ColorPlanes, truth: &ColorPlanes, frame: &Frame) -> f64 {

@@ -1,13 +1,7 @@
 //! Invariance under threads, crops, mirrors, rotations and poison; extreme values stay finite.
 
 use super::{Asked, LIT, METHODS, bits, covered, difference, sky, torus, torus_in_perspective};
-use crate::common::{
-    mirrored, mirrored_plane, on_threads, places, poisoned, quarter_turned, quarter_turned_plane,
-};
-use glam::Vec3;
-use relievo::engine::{Engine, PlanInputs, Run};
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
-use relievo::params::{Adaptive, Material, Method, SampleCount, Tangent};
+use crate::common::prelude::*;
 
 fn asked(material: Material, method: Method) -> Asked {
     let mut asked = Asked::of(material, method);

@@ -10,17 +10,8 @@ mod raking;
 mod shadows;
 mod sums;
 
+use crate::common::prelude::*;
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
-use crate::common::{apart, covered, cpu, default_but};
-use glam::Vec3;
-use relievo::engine::{Outcome, PlanInputs};
-use relievo::frame::{ColorPlanes, Frame, Plane};
-use relievo::light::environment::Environment;
-use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Scale, ScalingParams,
-    ShapeParams,
-};
 
 /// White, with gains of 1 and no ambient light: a formula gives the picture.
 fn white(material: Material) -> MaterialParams {

@@ -1,10 +1,8 @@
 //! Strength 0 is the plain picture, bit for bit; inputs without light are refused.
 
 use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
-use relievo::frame::{ColorPlanes, Plane};
-use relievo::light::lights::Illumination;
+use crate::common::prelude::*;
 use relievo::light::lit_sphere::LitSphere;
-use relievo::params::{Material, Method, SampleCount, Tangent};
 
 /// Every material, in light that shines on it.
 fn all() -> Vec<(String, Asked)> {

@@ -1,12 +1,10 @@
 //! Shadows of a sun against those of a path tracer, over heights and over depth.
 
 use super::{Asked, lights, surroundings};
+use crate::common::exr;
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::{exr, places};
-use relievo::frame::{Frame, Plane, StoredDepth, Window};
-use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
-use relievo::params::{Material, Method, SampleCount, Shadows};
 
 /// What arrives at each pixel of a sun `width_deg` wide.
 fn arrives(frame: &Frame, elevation_deg: f32, width_deg: f32) -> Vec<f32> {

@@ -2,10 +2,8 @@
 
 use super::{Asked, LIT, METHODS, bits, covered, lights, torus, torus_in_perspective};
 use crate::common::cpu::described;
-use glam::{DVec3, Vec3};
-use relievo::frame::{Frame, Plane, SightLines};
-use relievo::light::lights::{Illumination, PointLight};
-use relievo::params::{Adaptive, Material, Method, Tangent};
+use crate::common::prelude::*;
+use relievo::light::lights::PointLight;
 use relievo::scenes::light_reference::{Pixel, Settings, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.

@@ -1,10 +1,7 @@
 //! Dots that move with the surface.
 
 use super::*;
-use crate::common::sorted;
-use glam::Vec2;
 use relievo::line::stippling::Dot;
-use relievo::params::Style;
 
 const SIDE: usize = 200;
 const MIDDLE: Vec2 = Vec2::splat(SIDE as f32 / 2.0);

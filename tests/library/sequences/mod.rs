@@ -7,16 +7,7 @@ mod dots;
 mod rendered;
 mod wheel;
 
-use crate::common::{cpu, default_but, is_a_drawing, near, on_threads, places};
-use glam::Vec3;
-use relievo::engine::{Drawing, Outcome, PlanInputs, SequenceInputs};
-use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
-use relievo::io::Needs;
-use relievo::params::{
-    Adaptive, Fallback, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeScale,
-};
-use relievo::plan::{Available, Goal, Plan, Tone};
-use relievo::scenes::frames::{grey, normals};
+use crate::common::prelude::*;
 use std::fmt::Display;
 
 /// The needs of a frame whose strokes move with the surface.

@@ -1,11 +1,8 @@
 //! A rendered sequence of the collection, whose motion layer and cameras are known.
 
 use super::*;
-use crate::common::real_files::real;
-use crate::common::{between, covered, files, quantile, sorted};
-use relievo::frame::{DepthKind, static_world_motion};
-use relievo::io::{Loaded, camera::read_camera};
-use relievo::params::LineLevels;
+use crate::common::files;
+use relievo::io::camera::read_camera;
 use std::path::Path;
 
 fn loaded(directory: &Path, number: i32) -> Loaded {

@@ -3,10 +3,8 @@
 use super::moving;
 use crate::common::exr::Part;
 use crate::common::files::load;
+use crate::common::prelude::*;
 use crate::common::program::fixture;
-use crate::common::{apart, places};
-use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Vector2Planes, static_world_motion};
-use relievo::io::Loaded;
 use relievo::io::camera::read_camera;
 use relievo::io::motion::{FrameBefore, MotionVerdict};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,6 @@
 //! Exact scenes: a mirror or a glass ball in a room, traced in f64.
 
-use glam::{DAffine3, DMat3, DVec2, DVec3};
-use relievo::frame::{
-    Camera, Frame, Mask, Plane, Projection, SightLines, Surroundings, Vector3Planes, map_direction,
-};
+use crate::common::prelude::*;
 
 /// The middle of the ball, and of the room.
 pub(crate) const CENTER: DVec3 = DVec3::new(0.05, -0.1, -4.0);

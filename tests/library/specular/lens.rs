@@ -1,12 +1,8 @@
 //! A rendered lens, of two spherical caps, before a wall: where its sight lines end, exactly.
 
 use super::traced;
-use crate::common::real_files::real;
-use glam::{DVec2, DVec3};
-use relievo::frame::SightLines;
-use relievo::io::inputs::Inputs;
-use relievo::io::{self, Needs, SpecularInputs, load_specular};
-use relievo::params::Bend;
+use crate::common::prelude::*;
+use relievo::io::{self, SpecularInputs, load_specular};
 use relievo::trace::{HitSurface, Tracer};
 
 /// Middles of the spheres of the front and of the back, and their radius: fitted to the depth of both files, whose

@@ -2,16 +2,9 @@
 
 use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
-use crate::common::{bits, cpu};
-use glam::{DVec2, DVec3};
-use relievo::engine::{Engine, PlanInputs, Request, Run};
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SpecularScene, Window};
+use crate::common::prelude::*;
 use relievo::light::brdf::fresnel;
-use relievo::light::lights::{Illumination, LightKinds};
-use relievo::params::{
-    Bend, Material, Method, Params, RelightParams, ScalingParams, ShapeParams, WarpingParams,
-};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::light::lights::LightKinds;
 use std::sync::Arc;
 
 /// A smooth colour of the room, by the point from its middle.

@@ -7,13 +7,9 @@ mod propagation;
 mod rendered;
 mod stiff;
 
-use relievo::engine::{self, Engine};
-use relievo::frame::{Frame, SpecularScene, Vector2Planes};
+use crate::common::prelude::*;
+use relievo::engine;
 use relievo::light::lights::LightKinds;
-use relievo::params::{
-    Bend, LineParams, RelightParams, ScalingParams, SearchParams, ShapeParams, SpecularParams,
-};
-use relievo::plan::{Available, Goal, Plan, Tone};
 
 /// The default search.
 fn traced(bend: Bend) -> SpecularParams {

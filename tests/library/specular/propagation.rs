@@ -1,10 +1,8 @@
 //! Directions through mirrors and lenses, against exact ones.
 
 use super::exact::{Scene, Thing};
-use glam::{DVec2, DVec3};
-use relievo::frame::SpecularScene;
+use crate::common::prelude::*;
 use relievo::line::propagation::{Beside, external_camera};
-use relievo::params::{Bend, SearchParams, SpecularParams};
 use relievo::trace::Tracer;
 use std::sync::Arc;
 

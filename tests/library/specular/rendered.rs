@@ -1,11 +1,8 @@
 //! A rendered mirror ball in a hall, against where the renderer's own rays ended.
 
 use super::{fields, traced};
-use glam::{DVec2, DVec3};
-use relievo::frame::{SpecularScene, Vector3Planes};
-use relievo::io::inputs::Inputs;
-use relievo::io::{self, Loaded, Needs, SpecularInputs, load_specular};
-use relievo::params::{Bend, Fallback, FieldParams, LineParams};
+use crate::common::prelude::*;
+use relievo::io::{self, SpecularInputs, load_specular};
 use relievo::trace::Tracer;
 use std::path::{Path, PathBuf};
 

@@ -2,16 +2,8 @@
 
 use super::exact::{Scene, Thing};
 use super::{drawing, fields};
-use crate::common::cpu;
-use crate::common::is_a_drawing;
-use glam::DVec3;
-use relievo::engine::{self, Drawing, Engine, PlanInputs};
-use relievo::frame::{Frame, Mask, Plane, SpecularScene, Vector3Planes, Window};
-use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{
-    Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
-};
-use relievo::plan::{Available, Goal, Plan};
+use crate::common::prelude::*;
+use relievo::engine;
 use std::sync::Arc;
 
 const GLASS: Scene = Scene {
