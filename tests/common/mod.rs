@@ -4,11 +4,11 @@
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
 pub mod cpu;
+pub mod curved;
 pub mod damage;
 pub mod exr;
 pub mod files;
 pub mod planes;
-pub mod prelude;
 pub mod program;
 pub mod real_files;
 pub mod relit;

@@ -1,8 +1,8 @@
 //! Frames from samples in memory: equal to those from files bit for bit, in any layout, and refused with a reason.
 
 use crate::common::files::load;
-use crate::common::prelude::*;
 use crate::common::program::fixture;
+use crate::prelude::*;
 use ::exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
 use ndarray::{Array3, ArrayView3, Axis, ShapeBuilder};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};

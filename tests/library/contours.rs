@@ -1,6 +1,6 @@
 //! Contours in scenes with known edges: their positions and widths, one for each edge, and their junctions.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::line::contours::{Contour, ContourKind};
 use std::f32::consts::{PI, TAU};
 

@@ -1,6 +1,6 @@
 //! The engine as a caller meets it: requests, and how they are run.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::Error;
 use std::sync::Mutex;
 

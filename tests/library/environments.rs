@@ -1,7 +1,7 @@
 //! Environments and lit spheres, from their files to the light they give.
 
 use crate::common::exr::{Part, Stored, write};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{read_environment, read_lit_sphere};
 use relievo::light::irradiance::irradiance;

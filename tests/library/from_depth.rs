@@ -2,7 +2,7 @@
 
 use crate::common::exr::Part;
 use crate::common::files::{load, try_load};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 80];

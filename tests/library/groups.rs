@@ -1,7 +1,7 @@
 //! Groups of layers, such as view layers: one is read, and nothing of the others.
 
 use crate::common::exr::{Part, write};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::{load, survey};
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Invariance under mirrors, rotations, crops, windows, threads, tiles and any content outside the mask.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use std::num::NonZeroUsize;
 
 /// Every goal, with diffusion by steps and by expansion.

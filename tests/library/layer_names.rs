@@ -2,7 +2,7 @@
 
 use crate::common::exr::{Part, Stored, write};
 use crate::common::files::{load, try_load};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::roles::Role;
 use relievo::io::survey;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! A session that keeps a frame gives the results of a fresh one, and recomputes only what a change affects.
 
 use crate::common::files::load;
-use crate::common::prelude::*;
 use crate::common::program::fixture;
+use crate::prelude::*;
 use relievo::engine;
 use std::collections::BTreeMap;
 

@@ -22,6 +22,7 @@ mod normal_maps;
 mod normal_rays;
 mod outlines;
 mod points;
+mod prelude;
 mod relight;
 mod resolution;
 mod rooms;

@@ -2,8 +2,8 @@
 
 use crate::common::exr::Part;
 use crate::common::files::load;
-use crate::common::prelude::*;
 use crate::common::program::fixture;
+use crate::prelude::*;
 
 /// Normals and depth in view space.
 struct Scene {

@@ -3,7 +3,7 @@
 //! Lengths are in pixels at the reference height of 540 lines. Results are compared with the closed form, so the bounds
 //! also hold between any two resolutions, added up.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 const REFERENCE: u32 = 540;
 const LINES: [usize; 3] = [270, 540, 1080];

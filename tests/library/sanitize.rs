@@ -1,7 +1,7 @@
 //! Hostile values: for any input from a file or a caller, no panic, and no NaN or infinity in a result.
 
 use crate::common::exr::Stored;
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 

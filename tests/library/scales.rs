@@ -1,7 +1,7 @@
 //! Several scales, and scales of every pixel's own, from the sweeps of one.
 
 use crate::common::cpu::{self, described};
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 /// Balls one before the other: silhouettes between them, smooth parts, uncovered ground.
 fn frame() -> Frame {

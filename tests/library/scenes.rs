@@ -1,6 +1,7 @@
 //! The scenes that other tests are measured against: what they say of slopes and curvature, by differences and closed forms.
 
-use crate::common::prelude::*;
+use crate::common::curved::every_scene;
+use crate::prelude::*;
 use relievo::scenes::exact::{Exact, ExactScene, ball_trace, five_point};
 use relievo::scenes::surfaces::Surface;
 
@@ -13,43 +14,9 @@ fn orthographic(surface: Surface) -> ExactScene {
     ExactScene::orthographic(surface, CX, CY)
 }
 
-fn every_scene() -> Vec<(&'static str, ExactScene)> {
-    let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
-    let axes = DVec3::new(44.0, 22.0, 33.0);
-    let flat = [
-        ("plane", Surface::plane(DVec3::new(0.5, -0.3, 0.8))),
-        ("ball", Surface::ball(40.0)),
-        ("ellipsoid", Surface::ellipsoid(axes, turn)),
-        (
-            "torus",
-            Surface::torus(30.0, 12.0, DVec3::new(0.3, 0.5, 0.8)),
-        ),
-        ("upright cylinder", Surface::cylinder(35.0, DVec3::Y)),
-        (
-            "tilted cylinder",
-            Surface::cylinder(25.0, DVec3::new(0.6, 0.5, 0.45)),
-        ),
-        ("saddle", Surface::saddle(0.02, -0.01, 0.4)),
-        ("sine relief", Surface::sine_relief(3.0, 24.0, 0.7)),
-    ];
-    let several = [
-        ("box corner", ExactScene::box_corner(true, 0.3, CX, CY)),
-        ("room corner", ExactScene::box_corner(false, 0.3, CX, CY)),
-        ("two balls", ExactScene::two_balls(20.0, 30.0, CX, CY)),
-    ];
-    let flat = flat.map(|(name, surface)| (name, orthographic(surface)));
-    let flat: Vec<_> = flat.into_iter().chain(several).collect();
-    let deep = flat
-        .clone()
-        .into_iter()
-        .filter(|(name, _)| *name != "saddle");
-    let deep = deep.map(|(name, scene)| (name, scene.in_perspective()));
-    flat.into_iter().chain(deep).collect()
-}
-
 /// Runs `check` at scattered positions of every scene that are not close to an outline or an edge.
 fn at_scattered_positions(check: impl Fn(&str, &ExactScene, DVec2, Exact)) {
-    for (name, scene) in every_scene() {
+    for (name, scene) in every_scene(0.375, CX, CY) {
         let name = match scene.projection {
             Projection::Orthographic { .. } => format!("orthographic {name}"),
             Projection::Perspective { .. } => format!("perspective {name}"),

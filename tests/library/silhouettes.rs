@@ -1,6 +1,6 @@
 //! Silhouettes: gaps between surfaces, and nothing else.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 const SIDE: usize = 200;
 

@@ -1,7 +1,7 @@
 //! Pictures whose opposite borders continue each other.
 
 use crate::common::files::load;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 

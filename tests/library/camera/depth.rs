@@ -5,7 +5,7 @@ use super::planes::strew;
 use super::shots::{Numbers, Scene, Seen, Shot, looking, panorama, perspective};
 use crate::common::exr::Part;
 use crate::common::files::load;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use glam::EulerRot;
 use relievo::io::camera::{DepthCamera, RecoveryFailure, recover_camera_from_depth};
 

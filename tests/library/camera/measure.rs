@@ -1,6 +1,6 @@
 //! Difference between a camera and the true one.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use std::fmt::Debug;
 
 /// Angle, in degrees, from one rotation to another. Read off its sine: the cosine rounds below 1e-6.

@@ -1,6 +1,6 @@
 //! Planes of vectors, made and spoiled.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 /// The same planes with every vector changed.
 pub(crate) fn mapped(planes: &Vector3Planes, change: impl Fn(DVec3) -> DVec3) -> Vector3Planes {

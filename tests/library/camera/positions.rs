@@ -3,7 +3,7 @@
 use super::measure::{expect_rotation, focal_error, turn_between, turn_deg};
 use super::planes::strew;
 use super::shots::{Numbers, Scene, Shot, panorama, perspective};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::camera::{RecoveredCamera, RecoveryFailure, recover_camera};
 
 /// The positions seen in a shot, with its degradations.

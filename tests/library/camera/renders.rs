@@ -5,8 +5,8 @@
 use super::measure::{focal_error, turn_between, turn_deg};
 use super::planes::mapped;
 use crate::common::files::load;
-use crate::common::prelude::*;
 use crate::common::program::fixture;
+use crate::prelude::*;
 use relievo::io::camera::{
     DepthCamera, RecoveredCamera, RecoveryFailure, read_camera, recover_camera,
     recover_camera_from_depth,

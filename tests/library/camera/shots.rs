@@ -1,6 +1,6 @@
 //! Pictures of small scenes, by cameras that are known.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use half::f16;
 
 /// Scene hit by the sight lines.

@@ -2,7 +2,7 @@
 
 use super::planes::mapped;
 use super::renders::{Render, pictures};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::normal_space::{
     NormalReading, NormalSpaceConclusion, NormalSpaceVerdict, judge_normal_space,
 };

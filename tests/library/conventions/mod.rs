@@ -8,7 +8,7 @@ mod truth;
 
 use crate::common::exr::{Part, Stored, write};
 use crate::common::files::try_load;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use truth::{display, truth};
 
 const XYZ: [&str; 3] = ["X", "Y", "Z"];

@@ -1,6 +1,6 @@
 //! One scene with all values known, and the error of a frame against it.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use std::sync::OnceLock;
 
 pub(crate) const WIDTH: usize = 160;

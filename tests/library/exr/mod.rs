@@ -5,7 +5,7 @@ mod claims;
 mod infinities;
 mod rows;
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::exr::{
     ChannelId, ExrFile, Limits, Merged, OutputChannel, OutputPart, OutputType, PartWriter,
     write_results,

@@ -6,7 +6,7 @@ mod halo;
 mod stiff;
 mod strokes;
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::line::hatching::{Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
 

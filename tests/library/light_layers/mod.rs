@@ -3,7 +3,7 @@
 
 mod files;
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::light::radiance_scaling::scaling;
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 

@@ -1,7 +1,7 @@
 //! Light turned to the form.
 
 use super::{Asked, bits, covered, difference, lights, sky, torus_in_perspective};
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 fn aligned(material: Material) -> Asked {
     Asked::of(material, Method::Align)

@@ -1,7 +1,7 @@
 //! Scenes whose light is known: furnaces, planes, mirrors, spheres, environments of one direction.
 
 use super::{Asked, covered, lights, sky, surroundings, torus, torus_in_perspective};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::light::light_samples::light_disc;
 use relievo::light::lit_sphere::LitSphere;
 

@@ -1,9 +1,9 @@
 //! Environments to a stated error.
 
 use super::{Asked, covered, torus, torus_in_perspective};
-use crate::common::prelude::*;
 use crate::common::program::fixture;
 use crate::common::relit::surroundings;
+use crate::prelude::*;
 use relievo::io::read_environment;
 
 /// Grey levels of 255 by which 99 of 100 samples differ.

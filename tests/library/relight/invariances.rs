@@ -1,7 +1,7 @@
 //! Invariance under threads, crops, mirrors, rotations and poison; extreme values stay finite.
 
 use super::{Asked, LIT, METHODS, bits, covered, difference, sky, torus, torus_in_perspective};
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 fn asked(material: Material, method: Method) -> Asked {
     let mut asked = Asked::of(material, method);

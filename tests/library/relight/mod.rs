@@ -10,8 +10,8 @@ mod raking;
 mod shadows;
 mod sums;
 
-use crate::common::prelude::*;
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
+use crate::prelude::*;
 
 /// White, with gains of 1 and no ambient light: a formula gives the picture.
 fn white(material: Material) -> MaterialParams {

@@ -1,7 +1,7 @@
 //! Strength 0 is the plain picture, bit for bit; inputs without light are refused.
 
 use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::light::lit_sphere::LitSphere;
 
 /// Every material, in light that shines on it.

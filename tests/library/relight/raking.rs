@@ -1,7 +1,7 @@
 //! Raking light from the azimuth that shows each region best.
 
 use super::{Asked, bits, sky, torus_in_perspective};
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 /// Banks in 18 directions, 10 degrees apart, on ground that rolls by 3 m in 150 px of 1 m.
 const BANKS: usize = 18;

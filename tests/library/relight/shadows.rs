@@ -3,8 +3,8 @@
 use super::{Asked, lights, surroundings};
 use crate::common::exr;
 use crate::common::files::load;
-use crate::common::prelude::*;
 use crate::common::program::fixture;
+use crate::prelude::*;
 
 /// What arrives at each pixel of a sun `width_deg` wide.
 fn arrives(frame: &Frame, elevation_deg: f32, width_deg: f32) -> Vec<f32> {

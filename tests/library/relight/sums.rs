@@ -2,7 +2,7 @@
 
 use super::{Asked, LIT, METHODS, bits, covered, lights, torus, torus_in_perspective};
 use crate::common::cpu::described;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::light::lights::PointLight;
 use relievo::scenes::light_reference::{Pixel, Settings, reflected};
 

@@ -2,7 +2,7 @@
 
 use crate::common::exr::Part;
 use crate::common::files::load;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::motion::{FrameBefore, MotionLayers, MotionVerdict};
 
 const SIZE: [usize; 2] = [120, 90];

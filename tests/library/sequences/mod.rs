@@ -7,7 +7,7 @@ mod dots;
 mod rendered;
 mod wheel;
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use std::fmt::Display;
 
 /// The needs of a frame whose strokes move with the surface.

@@ -3,8 +3,8 @@
 use super::moving;
 use crate::common::exr::Part;
 use crate::common::files::load;
-use crate::common::prelude::*;
 use crate::common::program::fixture;
+use crate::prelude::*;
 use relievo::io::camera::read_camera;
 use relievo::io::motion::{FrameBefore, MotionVerdict};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Exact scenes: a mirror or a glass ball in a room, traced in f64.
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 
 /// The middle of the ball, and of the room.
 pub(crate) const CENTER: DVec3 = DVec3::new(0.05, -0.1, -4.0);

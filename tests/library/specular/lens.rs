@@ -1,7 +1,7 @@
 //! A rendered lens, of two spherical caps, before a wall: where its sight lines end, exactly.
 
 use super::traced;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::{self, SpecularInputs, load_specular};
 use relievo::trace::{HitSurface, Tracer};
 

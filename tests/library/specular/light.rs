@@ -2,7 +2,7 @@
 
 use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::light::brdf::fresnel;
 use relievo::light::lights::LightKinds;
 use std::sync::Arc;

@@ -7,7 +7,7 @@ mod propagation;
 mod rendered;
 mod stiff;
 
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::engine;
 use relievo::light::lights::LightKinds;
 

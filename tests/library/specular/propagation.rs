@@ -1,7 +1,7 @@
 //! Directions through mirrors and lenses, against exact ones.
 
 use super::exact::{Scene, Thing};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::line::propagation::{Beside, external_camera};
 use relievo::trace::Tracer;
 use std::sync::Arc;

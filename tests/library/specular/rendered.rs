@@ -1,7 +1,7 @@
 //! A rendered mirror ball in a hall, against where the renderer's own rays ended.
 
 use super::{fields, traced};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::io::{self, SpecularInputs, load_specular};
 use relievo::trace::Tracer;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use super::exact::{Scene, Thing};
 use super::{drawing, fields};
-use crate::common::prelude::*;
+use crate::prelude::*;
 use relievo::engine;
 use std::sync::Arc;
 
