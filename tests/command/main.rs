@@ -16,6 +16,7 @@ mod hatch;
 mod inputs;
 mod kept;
 mod layers;
+mod light_layers;
 mod manual;
 mod map;
 mod messages;

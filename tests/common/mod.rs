@@ -8,6 +8,7 @@ pub mod curved;
 pub mod damage;
 pub mod exr;
 pub mod files;
+pub mod lobes;
 pub mod planes;
 pub mod program;
 pub mod real_files;

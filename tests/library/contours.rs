@@ -5,11 +5,9 @@ use relievo::line::contours::{Contour, ContourKind};
 use std::f32::consts::{PI, TAU};
 
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
-    let mut line = LineParams {
-        contours: Some(contours),
-        ..LineParams::default()
-    };
-    line.strokes.scale = StrokeScale::Factor(1.0);
+    let line = default_but(|line: &mut LineParams| {
+        (line.contours, line.strokes.scale) = (Some(contours), StrokeScale::Factor(1.0));
+    });
     cpu::drawn(frame, Tone::Picture, line)
 }
 
@@ -21,20 +19,12 @@ fn ink(drawing: &Drawing) -> &Plane {
     drawing.contours.as_ref().expect("contours were asked for")
 }
 
-/// The ink at a place between the middles of pixels.
-fn interpolated(ink: &Plane, p: Vec2) -> f32 {
-    let p = p - Vec2::splat(0.5);
-    let (x, y, share) = (p.x as usize, p.y as usize, p.fract());
-    let row = |y| ink.at(x, y) * (1.0 - share.x) + ink.at(x + 1, y) * share.x;
-    row(y) * (1.0 - share.y) + row(y + 1) * share.y
-}
-
 /// Number of ink runs along a straight line, sampled every tenth of a pixel.
 fn runs_of_ink(ink: &Plane, from: Vec2, to: Vec2) -> usize {
     let steps = (10.0 * from.distance(to)) as usize;
     let is_inked = |i: usize| {
-        let p = from.lerp(to, i as f32 / steps as f32);
-        interpolated(ink, p) > 0.1
+        let p = from.lerp(to, i as f32 / steps as f32) - 0.5;
+        between(ink, p.x.into(), p.y.into()) > 0.1
     };
     let starts = (1..=steps).filter(|&i| is_inked(i) && !is_inked(i - 1));
     starts.count() + usize::from(is_inked(0))
@@ -219,9 +209,8 @@ fn three_straight_creases_meet_in_a_corner() {
             let points = line.points.iter();
             let out = points.max_by(|a, b| a.distance(corner).total_cmp(&b.distance(corner)));
             let way = (*out.unwrap() - corner).normalize();
-            let edge = edges
-                .iter()
-                .max_by(|a, b| a.dot(way).total_cmp(&b.dot(way)));
+            let edges = edges.iter();
+            let edge = edges.max_by(|a, b| a.dot(way).total_cmp(&b.dot(way)));
             let edge = edge.unwrap();
             for &point in &line.points {
                 let off = (point - corner).perp_dot(*edge).abs();
@@ -265,9 +254,10 @@ fn an_edge_goes_on_behind_a_ball() {
     let edge = Vec2::Y;
     let block = ExactScene::box_corner(true, 0.0, corner.x.into(), corner.y.into());
     let middle = corner + 54.0 * edge;
-    let ball =
-        at(middle, Surface::ball(radius.into())).at_distance(0.9 * Surface::DISTANCE - 120.0);
-    let ball = ball.frame(160, 160);
+    let ball = at(middle, Surface::ball(radius.into()));
+    let ball = ball
+        .at_distance(0.9 * Surface::DISTANCE - 120.0)
+        .frame(160, 160);
     let drawing = drawn(&before(block.frame(160, 160), &ball));
     let is_on_edge = |line: &&Contour| {
         let along = |p: &Vec2| (*p - corner).dot(edge) > -1.0 && (p.x - corner.x).abs() < 0.6;
@@ -335,71 +325,6 @@ fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
             let is_near = sum < 2.0 * 0.1 * all && far < 2e-4;
             assert!(is_near, "{name}: {sum} over {all} px, {far} far apart");
         }
-    }
-}
-
-#[test]
-fn the_number_of_threads_changes_nothing() {
-    let frame = balls().0;
-    let [one, five] = [1, 5].map(|threads| on_threads(threads, || drawn(&frame)));
-    assert_eq!(one.contour_lines, five.contour_lines);
-    assert_eq!(ink(&one), ink(&five));
-}
-
-#[test]
-fn hard_frames_give_finite_drawings() {
-    let flat = at(Vec2::splat(20.0), Surface::plane(DVec3::new(0.3, 0.2, 1.0)));
-    let flat = |width, height| flat.frame(width, height);
-    let wall = flat(97, 83);
-    let mut rough = wall.clone();
-    // Normals that turn by 90 degrees from pixel to pixel.
-    rough.normal.x = Plane::from_fn(97, 83, |x, y| if (x + y) % 2 == 0 { 0.707 } else { -0.707 });
-    rough.normal.y = Plane::filled(97, 83, 0.0);
-    rough.normal.z = Plane::filled(97, 83, 0.707);
-    let mut steps = wall.clone();
-    steps.depth = Some(Plane::from_fn(97, 83, |x, y| {
-        if (x / 2 + y / 3) % 2 == 0 { 1.0 } else { 3.0 }
-    }));
-    let mut bad = wall.clone();
-    bad.depth = Some(Plane::from_fn(97, 83, |x, y| {
-        [f32::NAN, 1.0, f32::INFINITY, 0.0, -1.0][(x + y) % 5]
-    }));
-    bad.normal.x = Plane::from_fn(97, 83, |x, _| if x % 7 == 0 { f32::NAN } else { 0.0 });
-    bad.alpha = Some(Plane::filled(97, 83, f32::NAN));
-    let part = |mask: fn(usize, usize) -> bool| masked(wall.clone(), mask);
-    let frames = [
-        ("one pixel", flat(1, 1)),
-        ("one row", flat(50, 1)),
-        ("one column", flat(1, 50)),
-        ("full", wall.clone()),
-        ("empty mask", part(|_, _| false)),
-        ("one covered pixel", part(|x, y| (x, y) == (40, 40))),
-        ("checkerboard", part(|x, y| (x + y) % 2 == 0)),
-        ("stripes", part(|x, _| x % 2 == 0)),
-        ("crease everywhere", rough),
-        ("steps everywhere", steps),
-        ("bad values", masked(bad.clone(), |x, y| x > 10 || y > 20)),
-    ];
-    for (name, frame) in &frames {
-        for width_px in [0.1, 2.0, 500.0] {
-            let drawing = drawn_with(
-                frame,
-                default_but(|p: &mut ContourParams| p.width_px = width_px),
-            );
-            let mut samples = ink(&drawing).samples().iter();
-            let are_shares = samples.all(|c| (0.0..=1.0).contains(c));
-            assert!(are_shares, "{name}, {width_px} px");
-            for line in &drawing.contour_lines {
-                assert_eq!(line.points.len(), line.widths.len());
-                let finite = line.points.iter().all(|p| p.is_finite())
-                    && line.widths.iter().all(|w| w.is_finite() && *w >= 0.0);
-                assert!(finite, "{name}, {width_px} px: {line:?}");
-            }
-        }
-    }
-    let blank = |name: &str| &frames.iter().find(|(n, _)| *n == name).unwrap().1;
-    for name in ["full", "empty mask", "one pixel", "one covered pixel"] {
-        assert!(drawn(blank(name)).contour_lines.is_empty(), "{name}");
     }
 }
 
@@ -473,10 +398,8 @@ fn objects_in_one_plane_have_a_line_between_them_and_none_beside_a_silhouette() 
         let ends = line.points.iter().map(|p| p.y / times);
         let least = ends.clone().fold(f32::INFINITY, f32::min);
         let most = ends.fold(f32::NEG_INFINITY, f32::max);
-        assert!(
-            least < 0.0 && (59.0..61.0).contains(&most),
-            "{least} {most}"
-        );
+        let are_there = least < 0.0 && (59.0..61.0).contains(&most);
+        assert!(are_there, "{least} {most}");
         // As wide as the line of a middling jump at the depth of the wall: depths from 300 to 400 are .2877 of the .4 over
         // which lines lose most.
         let far = 1.0 - params.depth_emphasis * (400.0_f32 / 300.0).ln() / 0.4;

@@ -74,37 +74,32 @@ fn assert_same_bits(one: &Outcome, other: &Outcome) {
     }
 }
 
-#[test]
-fn a_mirrored_picture_gives_the_mirrored_result() {
+/// Expects the planes of a picture that was moved, and slopes that were moved with it: to x of the first and y of the second.
+fn moved(
+    move_frame: fn(&Frame) -> Frame,
+    move_plane: fn(&Plane) -> Plane,
+    slopes: fn(Vector2Planes) -> [Plane; 2],
+) {
     for (frame, case) in &cases() {
-        let case = *case;
-        let (plain, turned) = (run(case, frame), run(case, &mirrored(frame)));
+        let (plain, turned) = (run(*case, frame), run(*case, &move_frame(frame)));
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
-            assert_close(name, found, &mirrored_plane(expected));
+            assert_close(name, found, &move_plane(expected));
         }
         if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
-            let x = mirrored_plane(&plain.x).map(|v| -v);
+            let [x, y] = slopes(plain).map(|plane| move_plane(&plane));
             assert_close("gradient.x", &turned.x, &x);
-            assert_close("gradient.y", &turned.y, &mirrored_plane(&plain.y));
+            assert_close("gradient.y", &turned.y, &y);
         }
     }
 }
 
 #[test]
-fn a_turned_picture_gives_the_turned_result() {
-    for (frame, case) in &cases() {
-        let case = *case;
-        let (plain, turned) = (run(case, frame), run(case, &quarter_turned(frame)));
-        for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
-            assert_close(name, found, &quarter_turned_plane(expected));
-        }
-        // Counterclockwise: right becomes up.
-        if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
-            assert_close("gradient.y", &turned.y, &quarter_turned_plane(&plain.x));
-            let x = quarter_turned_plane(&plain.y).map(|v| -v);
-            assert_close("gradient.x", &turned.x, &x);
-        }
-    }
+fn a_mirrored_or_turned_picture_gives_the_mirrored_or_turned_result() {
+    moved(mirrored, mirrored_plane, |g| [g.x.map(|v| -v), g.y]);
+    // Counterclockwise: right becomes up.
+    moved(quarter_turned, quarter_turned_plane, |g| {
+        [g.y.map(|v| -v), g.x]
+    });
 }
 
 #[test]
@@ -116,16 +111,26 @@ fn any_number_of_threads_gives_the_same_bits() {
             assert_same_bits(&alone, &on_threads(threads, || run(case, frame)));
         }
     }
-}
-
-fn options(width: usize, height: usize, sweeps: usize) -> RunOptions {
-    let size = |n| NonZeroUsize::new(n).unwrap();
-    RunOptions {
-        tile: TileSize {
-            width: size(width),
-            height: size(height),
-        },
-        sweeps_per_pass: size(sweeps),
+    let drawn = [Style::Pen, Style::Lines].map(|style| {
+        let line = default_but(|line: &mut LineParams| {
+            (line.directions, line.strokes.style) = (StrokeDirections::Both, style);
+        });
+        (Goal::Hatch(Tone::Picture, line), Scale::Sigma(1.5))
+    });
+    let frames = frames_of_size(2);
+    let coarse = in_8_bits(without_depth(frames[0].clone()));
+    for frame in frames.iter().chain([&coarse]) {
+        for case in drawn {
+            let on = |threads| on_threads(threads, || run(case, frame));
+            let alone = on(1);
+            for threads in [2, 3, 8] {
+                let other = on(threads);
+                assert_same_bits(&alone, &other);
+                let [alone, other] = [&alone, &other].map(|made| made.drawing.as_ref().unwrap());
+                assert_eq!(alone.contour_lines, other.contour_lines);
+                assert_eq!(alone.lines, other.lines);
+            }
+        }
     }
 }
 
@@ -134,10 +139,12 @@ fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
     for (frame, case) in &cases() {
         let case = *case;
         let whole = run(case, frame);
-        for (width, height, sweeps) in
-            [(7, 5, 1), (33, 80, 3), (96, 16, 5), (1, 1, 2), (16, 24, 64)]
-        {
-            let engine = Engine::cpu().with_options(options(width, height, sweeps));
+        for sizes in [[7, 5, 1], [33, 80, 3], [96, 16, 5], [1, 1, 2], [16, 24, 64]] {
+            let [width, height, sweeps_per_pass] = sizes.map(|n| NonZeroUsize::new(n).unwrap());
+            let engine = Engine::cpu().with_options(RunOptions {
+                tile: TileSize { width, height },
+                sweeps_per_pass,
+            });
             let plan = plan(case, frame);
             let cut = engine.execute(&plan, frame, PlanInputs::default(), &Run::new());
             assert_same_bits(&whole, &cut.unwrap());

@@ -148,28 +148,6 @@ fn points_and_curve_of_tone_are_kept() {
 }
 
 #[test]
-fn threads_change_no_bit() {
-    let frame = ExactScene::two_balls(60.0, 80.0, 110.0, 100.0).frame(220, 200);
-    let line = LineParams {
-        directions: StrokeDirections::Both,
-        contours: Some(ContourParams::default()),
-        ..LineParams::default()
-    };
-    let by = |threads, line| on_threads(threads, || drawing(&frame, line));
-    let [textured, mut lines] = [line; 2];
-    lines.strokes.style = Style::Lines;
-    for line in [textured, lines] {
-        let one = by(1, line);
-        for threads in [2, 3, 8] {
-            let other = by(threads, line);
-            assert_eq!(one.hatching, other.hatching);
-            assert_eq!(one.contours, other.contours);
-            assert_eq!(one.lines, other.lines);
-        }
-    }
-}
-
-#[test]
 fn a_crop_keeps_the_strokes_of_the_whole() {
     // The texture is fixed in the picture, not in the data window. On a plane nothing else has a long reach.
     let frame = seen(Surface::plane(DVec3::Z), 256, 0.5);

@@ -10,6 +10,11 @@ fn settings() -> Vec<(&'static str, LineParams)> {
         change(&mut line.strokes);
         (name, line)
     };
+    let contours = |name, width_px| {
+        let mut line = usual;
+        line.contours.as_mut().unwrap().width_px = width_px;
+        (name, line)
+    };
     let mut fine = usual;
     (fine.field.cell_px, fine.field.passes, fine.field.radius_px) = (1, 6, 64.0);
     #[rustfmt::skip]
@@ -26,6 +31,8 @@ fn settings() -> Vec<(&'static str, LineParams)> {
         strokes("lines", |s| s.style = Style::Lines),
         strokes("engraving", |s| s.style = Style::Engraving),
         strokes("stipple", |s| s.style = Style::Stipple),
+        contours("thin contours", 0.1),
+        contours("thick contours", 500.0),
         strokes("no wobble", |s| (s.wobble, s.pressure) = (Some(0.0), Some(0.0))),
     ];
     all
@@ -34,29 +41,63 @@ fn settings() -> Vec<(&'static str, LineParams)> {
 fn frames() -> Vec<(&'static str, Frame)> {
     let scene = |surface| ExactScene::orthographic(surface, 20.0, 20.0);
     let ball = scene(Surface::ball(15.0)).frame(40, 40);
-    let plane = scene(Surface::plane(DVec3::Z)).frame(40, 40);
-    let even = |luminance| grey(scene(Surface::ball(15.0)).frame(40, 40), luminance);
+    let wall = |width, height| scene(Surface::plane(DVec3::Z)).frame(width, height);
+    let part = |mask: fn(usize, usize) -> bool| masked(wall(40, 40), mask);
     let mut bare = ball.clone();
     (bare.depth, bare.alpha, bare.camera) = (None, None, None);
+    let deep = |depth: fn(usize, usize) -> f32| Frame {
+        depth: Some(Plane::from_fn(40, 40, depth)),
+        ..wall(40, 40)
+    };
+    // Normals that turn by 90 degrees from pixel to pixel.
+    let turned = normals(40, 40, |x, y| {
+        Vec3::new([0.707, -0.707][(x + y) % 2], 0.0, 0.707)
+    });
+    let bad = Frame {
+        normal: normals(40, 40, |x, _| {
+            Vec3::new([0.0, f32::NAN][usize::from(x % 7 == 0)], 0.0, 1.0)
+        }),
+        alpha: Some(Plane::filled(40, 40, f32::NAN)),
+        ..deep(|x, y| [f32::NAN, 1.0, f32::INFINITY, 0.0, -1.0][(x + y) % 5])
+    };
     vec![
         ("umbilic everywhere", ball.clone()),
-        ("planar everywhere", plane),
-        ("nothing covered", masked(ball.clone(), |_, _| false)),
-        (
-            "one pixel covered",
-            masked(ball.clone(), |x, y| (x, y) == (20, 20)),
-        ),
-        ("black", even(0.0)),
-        ("white", even(1.0)),
-        ("infinitely bright", even(f32::INFINITY)),
-        ("no number", even(f32::NAN)),
+        ("planar everywhere", wall(40, 40)),
+        ("nothing covered", part(|_, _| false)),
+        ("one pixel covered", part(|x, y| (x, y) == (20, 20))),
+        ("checkerboard", part(|x, y| (x + y) % 2 == 0)),
+        ("stripes", part(|x, _| x % 2 == 0)),
+        ("black", grey(ball.clone(), 0.0)),
+        ("white", grey(ball.clone(), 1.0)),
+        ("infinitely bright", grey(ball.clone(), f32::INFINITY)),
+        ("no number", grey(ball.clone(), f32::NAN)),
         ("normals alone", bare),
         ("poisoned outside", poisoned(&ball, f32::NAN)),
-        ("one pixel", scene(Surface::plane(DVec3::Z)).frame(1, 1)),
-        ("one row", scene(Surface::plane(DVec3::Z)).frame(90, 1)),
-        ("one column", scene(Surface::plane(DVec3::Z)).frame(1, 90)),
+        (
+            "crease everywhere",
+            Frame {
+                normal: turned,
+                ..wall(40, 40)
+            },
+        ),
+        (
+            "steps everywhere",
+            deep(|x, y| if (x / 2 + y / 3) % 2 == 0 { 1.0 } else { 3.0 }),
+        ),
+        ("bad values", masked(bad, |x, y| x > 10 || y > 20)),
+        ("one pixel", wall(1, 1)),
+        ("one row", wall(90, 1)),
+        ("one column", wall(1, 90)),
     ]
 }
+
+/// Forms without an edge.
+const PLAIN: [&str; 4] = [
+    "planar everywhere",
+    "nothing covered",
+    "one pixel covered",
+    "one pixel",
+];
 
 #[test]
 fn extremes_are_drawn() {
@@ -66,7 +107,21 @@ fn extremes_are_drawn() {
         let engine = Engine::cpu();
         for (name, frame) in &frames {
             let drawn = drawn_by(&engine, frame, line);
-            assert!(is_a_drawing(&drawn), "{name}, {setting}");
+            let case = format!("{name}, {setting}");
+            assert!(is_a_drawing(&drawn), "{case}");
+            for line in &drawn.contour_lines {
+                let is_sound = |w: &f32| w.is_finite() && *w >= 0.0;
+                let are_finite = line.points.iter().all(|p| p.is_finite());
+                assert!(
+                    are_finite && line.widths.iter().all(is_sound),
+                    "{case}: {line:?}"
+                );
+                assert_eq!(line.points.len(), line.widths.len(), "{case}");
+            }
+            assert!(
+                !PLAIN.contains(name) || drawn.contour_lines.is_empty(),
+                "{case}"
+            );
         }
     }
 }
@@ -80,27 +135,4 @@ fn what_lies_outside_the_mask_changes_nothing() {
         assert_eq!(clean.hatching, other.hatching);
         assert_eq!(clean.contours, other.contours);
     }
-}
-
-#[test]
-fn settings_out_of_range_are_refused_by_name() {
-    let refused = |change: fn(&mut LineParams), name: &str| {
-        let mut line = LineParams::default();
-        change(&mut line);
-        let said = line.validate().unwrap_err().to_string();
-        assert!(said.starts_with(name), "{said}");
-    };
-    refused(|l| l.strokes.levels = 0, "--levels");
-    refused(|l| l.strokes.levels = 361, "--levels");
-    refused(|l| l.strokes.sets = 9, "--sets");
-    let scale = "--stroke-scale";
-    refused(|l| l.strokes.scale = StrokeScale::Factor(0.0), scale);
-    refused(
-        |l| l.strokes.scale = StrokeScale::Millimetres(f32::NAN),
-        scale,
-    );
-    refused(|l| l.strokes.dpi = Some(-1.0), "--dpi");
-    refused(|l| l.strokes.wobble = Some(2.0), "--wobble");
-    refused(|l| l.tone.black_point = 1.0, "--black-point");
-    refused(|l| l.tone.gamma = f32::NAN, "--tone-gamma");
 }

@@ -148,9 +148,9 @@ fn a_lens_partly_outside_the_frame_is_drawn_as_in_the_whole() {
 fn threads_change_no_bit() {
     let (frame, scene) = (GLASS.frame(), glass());
     let by = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap()
-            .install(|| drawn(&frame, &scene, both(), REFRACTED).hatching)
+        on_threads(threads, || {
+            drawn(&frame, &scene, both(), REFRACTED).hatching
+        })
     };
     assert_eq!(by(1), by(3));
 }

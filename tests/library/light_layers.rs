@@ -1,77 +1,11 @@
-//! Lobes, light groups and ambient occlusion: scaled one by one, on scenes made for it, through the binary,
-//! and on renders with all passes.
+//! Lobes, light groups and ambient occlusion: scaled one by one, on scenes made for it.
 
-mod files;
-
+use crate::common::lobes::*;
 use crate::prelude::*;
 use relievo::light::radiance_scaling::scaling;
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
-const WIDTH: usize = 61;
-const HEIGHT: usize = 40;
 const WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
-
-/// Waves across the picture, a strip at its right uncovered, under white light on a coloured surface, with
-/// warm highlights; the picture is their sum and a little light that no layer holds.
-fn scene() -> Frame {
-    let surface = Surface::sine_relief(2.0, 19.0, 0.4);
-    let mut frame = ExactScene::orthographic(surface, 30.0, 20.0).frame(WIDTH, HEIGHT);
-    frame.mask = Mask::new(Plane::from_fn(WIDTH, HEIGHT, |x, _| x < WIDTH - 5));
-    let facing =
-        |x: usize, y: usize, to: Vec3| normal_at(&frame, x, y).dot(to.normalize()).max(0.0);
-    let light = |tint: [f32; 3], value: &dyn Fn(usize, usize) -> f32| {
-        color(|i, x, y| tint[i] * value(x, y))
-    };
-    let lit = |x, y| facing(x, y, Vec3::new(1.0, 1.0, 1.0));
-    let stripes = |x: usize, _| if x % 9 < 4 { 1.0 } else { 0.2 };
-    let diffuse = LobeLayers {
-        lobe: Lobe::Diffuse,
-        direct: Some(light([0.9; 3], &lit)),
-        indirect: Some(light([0.1; 3], &|_, y| 0.5 + y as f32 / 80.0)),
-        color: Some(light([0.6, 0.3, 0.1], &stripes)),
-        albedo: None,
-    };
-    let glint = |x, y| facing(x, y, Vec3::new(0.3, 0.2, 1.0)).powi(60);
-    let specular = LobeLayers {
-        lobe: Lobe::Specular,
-        direct: Some(light([3.0, 2.5, 2.0], &glint)),
-        indirect: None,
-        color: Some(light([0.04; 3], &|_, _| 1.0)),
-        albedo: None,
-    };
-    let lobes = vec![diffuse, specular];
-    frame.color = Some(color(|i, x, y| {
-        0.001 + lobes.iter().map(|l| radiance(l, i, x, y)).sum::<f32>()
-    }));
-    frame.light = LightLayers {
-        lobes,
-        ..LightLayers::default()
-    };
-    frame
-}
-
-fn color(value: impl Fn(usize, usize, usize) -> f32) -> ColorPlanes {
-    let [r, g, b] = [0, 1, 2].map(|i| Plane::from_fn(WIDTH, HEIGHT, |x, y| value(i, x, y)));
-    ColorPlanes { r, g, b }
-}
-
-fn normal_at(frame: &Frame, x: usize, y: usize) -> Vec3 {
-    frame.normal.at(x, y).as_vec3()
-}
-
-fn channels(color: &ColorPlanes) -> [&Plane; 3] {
-    [&color.r, &color.g, &color.b]
-}
-
-fn light(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
-    let layers = [&lobe.direct, &lobe.indirect].into_iter().flatten();
-    layers.map(|planes| channels(planes)[i].at(x, y)).sum()
-}
-
-fn radiance(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
-    let color = lobe.color.as_ref().map_or(1.0, |p| channels(p)[i].at(x, y));
-    light(lobe, i, x, y) * color
-}
 
 /// Parameters with nothing chosen from the frame.
 fn fixed() -> ScalingParams {
@@ -116,10 +50,10 @@ fn by_term(magnitudes: [Option<f32>; 3]) -> ScalingParams {
     }
 }
 
+/// Expects a sample to be what it should be but for rounding.
 #[track_caller]
-fn near(found: f32, expected: f32, of: f32, what: &str) {
-    let is_near = (found - expected).abs() <= 2e-6 * of.max(1.0);
-    assert!(is_near, "{what}: {found}, not {expected}");
+fn is(found: f32, expected: f32, of: f32, what: &str) {
+    near(found, expected, 2e-6 * f64::from(of.max(1.0)), what);
 }
 
 #[test]
@@ -179,7 +113,7 @@ fn each_lobe_is_scaled_by_its_own_light_and_magnitude() {
                 let [d, s] = [d, s].map(|lobe| radiance(lobe, i, x, y));
                 let change = (sigma_d - 1.0) * d + (sigma_s - 1.0) * s;
                 let change = if frame.mask.at(x, y) { change } else { 0.0 };
-                near(after, before + change, before, "scaled");
+                is(after, before + change, before, "scaled");
                 changed += usize::from((after - before).abs() > 0.01);
             }
         }
@@ -218,7 +152,7 @@ fn ambient_light_has_a_magnitude_of_its_own_where_it_is_given() {
         let luminance: f32 = (0..3).map(|i| WEIGHTS[i] * light(&lobe, i, x, y)).sum();
         let sigma = scaling(luminance / 1.5, 2.0 * kappa.at(x, y), 0.25);
         let expected = picture.g.at(x, y) + (sigma - 1.0) * radiance(&lobe, 1, x, y);
-        near(made.g.at(x, y), expected, 1.0, "ambient");
+        is(made.g.at(x, y), expected, 1.0, "ambient");
     }
     // An occlusion layer is in that light already; without it, the whole picture is scaled by it.
     let mut occluded = frame.clone();
@@ -233,7 +167,7 @@ fn ambient_light_has_a_magnitude_of_its_own_where_it_is_given() {
     for (x, y) in covered(&frame.mask) {
         let open = 0.2 + x as f32 / 80.0;
         let expected = picture.b.at(x, y) * scaling(open, 2.0 * kappa.at(x, y), 0.25);
-        near(made.b.at(x, y), expected, 1.0, "occlusion");
+        is(made.b.at(x, y), expected, 1.0, "occlusion");
     }
 }
 
@@ -387,7 +321,7 @@ fn what_no_group_covers_stays() {
             sigma * group.light.r.at(x, y)
         };
         let expected: f32 = frame.light.groups.iter().map(scaled).sum::<f32>() + env.r.at(x, y);
-        near(made.r.at(x, y), expected, 1.0, "groups");
+        is(made.r.at(x, y), expected, 1.0, "groups");
     }
 }
 
@@ -416,7 +350,7 @@ fn anisotropy_takes_the_curvature_along_the_light() {
         // The group holds more light than this picture has: it gets the picture's share.
         let share = (before / light).min(1.0);
         let expected = before + share * (scaling(d, kappa, 0.25) - 1.0) * light;
-        near(made.r.at(x, y), expected, 1.0, "along the light");
+        is(made.r.at(x, y), expected, 1.0, "along the light");
         differ += usize::from((kappa - mapped_curvature(h[0] + h[2], 20.0)).abs() > 0.05);
     }
     assert!(differ > 100, "it matters at {differ} pixels only");
@@ -429,6 +363,6 @@ fn a_mirrored_frame_gives_the_mirrored_picture() {
     let (mirrored, _) = enhanced(&crate::common::mirrored(&frame), fixed());
     for (x, y) in places(WIDTH, HEIGHT) {
         let found = mirrored.g.at(WIDTH - 1 - x, y);
-        near(found, made.g.at(x, y), 1.0, "mirrored");
+        is(found, made.g.at(x, y), 1.0, "mirrored");
     }
 }

@@ -1,9 +1,11 @@
-//! The same through the program, from files.
+//! Lobes, light groups and ambient occlusion, scaled one by one.
 
-use super::*;
-use crate::common::bits as bits_of;
-use crate::common::exr::Part;
+use crate::common::exr::{self, Part};
+use crate::common::lobes::*;
 use crate::common::program::{Desk, tells};
+use crate::common::real_files::real;
+use crate::common::{bits, channels};
+use relievo::frame::{ColorPlanes, Plane};
 
 const VIEW: &str = "--normal-space view --coverage mask";
 
@@ -59,7 +61,7 @@ fn lobes_are_found_by_name_and_told_of() {
     let made = |words: &str| {
         let fixed = "--curvature-gain 20 --white-level 1.5 -v --explain -o out.exr";
         let ran = desk.make(format!("enhance {words} {VIEW} {fixed}"));
-        (bits_of(&desk.channel("out.exr", "relievo.G")), ran)
+        (bits(&desk.channel("out.exr", "relievo.G")), ran)
     };
     let (by_blender, said) = made("blender.exr");
     let lobes = "(DiffDir + DiffInd) x DiffCol ... specular lobe    GlossDir x GlossCol";
@@ -76,7 +78,7 @@ fn lobes_are_found_by_name_and_told_of() {
         "odd.exr --diffuse dif --specular spec --albedo paint",
     ]
     .map(|words| made(&format!("{words} --scaling-specular 0")).0);
-    let picture = bits_of(&desk.channel("blender.exr", "Combined.G"));
+    let picture = bits(&desk.channel("blender.exr", "Combined.G"));
     assert_ne!(blender, picture);
     for other in [&arnold, &odd] {
         for (a, b) in blender.iter().zip(other) {
@@ -174,9 +176,9 @@ fn renders_with_all_passes_recombine_and_are_scaled_by_lobe_and_group() {
             let said = desk
                 .make(format!("enhance {shown} -o out.exr {flags} -v"))
                 .stderr;
-            (bits_of(&desk.channel("out.exr", "relievo.R")), said)
+            (bits(&desk.channel("out.exr", "relievo.R")), said)
         };
-        let picture = bits_of(&crate::common::exr::channel(&input, "ViewLayer.Combined.R"));
+        let picture = bits(&exr::channel(&input, "ViewLayer.Combined.R"));
         let (lobes, said) = made("");
         tells(
             &said,
