@@ -1,6 +1,6 @@
 //! Exact scenes: a mirror or a glass ball in a room, traced in f64.
 
-use crate::prelude::*;
+use super::*;
 
 /// The middle of the ball, and of the room.
 pub(crate) const CENTER: DVec3 = DVec3::new(0.05, -0.1, -4.0);
@@ -32,18 +32,12 @@ pub(crate) struct Scene {
 
 impl Scene {
     pub(crate) fn camera(&self) -> Camera {
-        let c = self.size as f64 / 2.0;
+        let (c, f) = (self.size as f64 / 2.0, self.focal);
+        let [fx, fy, cx, cy] = [f, f, c, c];
+        let turn = DMat3::from_rotation_y(0.4) * DMat3::from_rotation_x(-0.2);
         Camera {
-            view_from_world: DAffine3::from_mat3_translation(
-                DMat3::from_rotation_y(0.4) * DMat3::from_rotation_x(-0.2),
-                DVec3::new(0.3, -0.7, 0.2),
-            ),
-            projection: Projection::Perspective {
-                fx: self.focal,
-                fy: self.focal,
-                cx: c,
-                cy: c,
-            },
+            view_from_world: DAffine3::from_mat3_translation(turn, DVec3::new(0.3, -0.7, 0.2)),
+            projection: Projection::Perspective { fx, fy, cx, cy },
         }
     }
 
@@ -117,23 +111,14 @@ impl Scene {
     }
 
     fn frame_of(&self, point: impl Fn(DVec2) -> Option<(DVec3, DVec3)>) -> Frame {
-        let at = |x: usize, y: usize| DVec2::new(x as f64, y as f64) + 0.5;
         let size = self.size;
-        let plane = |value: &dyn Fn(DVec3, DVec3) -> f64| {
-            Plane::from_fn(size, size, |x, y| {
-                point(at(x, y)).map_or(0.0, |(p, n)| value(p, n) as f32)
-            })
-        };
-        let mask = Plane::from_fn(size, size, |x, y| point(at(x, y)).is_some());
-        let normals = Vector3Planes {
-            x: plane(&|_, n| n.x),
-            y: plane(&|_, n| n.y),
-            z: plane(&|_, n| n.z),
-        };
+        let seen = Plane::from_fn(size, size, |x, y| point(middle(x, y)));
+        let normal = |x, y| seen.at(x, y).map_or(DVec3::ZERO, |(_, n)| n);
+        let normals = Vector3Planes::from_fn(size, size, normal);
         Frame {
-            depth: Some(plane(&|p, _| -p.z)),
+            depth: Some(seen.map(|seen| seen.map_or(0.0, |(p, _)| -p.z as f32))),
             camera: Some(self.camera()),
-            ..Frame::of_normals(normals, Mask::new(mask))
+            ..Frame::of_normals(normals, Mask::new(seen.map(|seen| seen.is_some())))
         }
     }
 
@@ -173,24 +158,11 @@ impl Scene {
             let from_center = world_from_view.transform_vector3(point - CENTER);
             (from_center, normal)
         };
-        let planes = |value: &dyn Fn(DVec3, DVec3) -> DVec3| {
-            let plane = |k: usize| {
-                Plane::from_fn(width, height, |x, y| {
-                    let (point, normal) = hit(x, y);
-                    value(point, normal)[k] as f32
-                })
-            };
-            Vector3Planes {
-                x: plane(0),
-                y: plane(1),
-                z: plane(2),
-            }
-        };
         Surroundings {
             center: world_from_view.transform_point3(CENTER),
             map_from_world: map_from_view * self.camera().view_from_world.matrix3,
-            points: planes(&|p, _| p),
-            normal: planes(&|_, n| n),
+            points: Vector3Planes::from_fn(width, height, |x, y| hit(x, y).0),
+            normal: Vector3Planes::from_fn(width, height, |x, y| hit(x, y).1),
             normal_rounding: 0.0,
             color: None,
         }
@@ -199,14 +171,22 @@ impl Scene {
 
 /// Entry and exit of a line through the ball.
 fn on_ball(start: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
-    let from = start - CENTER;
+    on_sphere(start, direction, CENTER, RADIUS)
+}
+
+/// Entry and exit of a line through a sphere.
+pub(crate) fn on_sphere(
+    start: DVec3,
+    direction: DVec3,
+    middle: DVec3,
+    radius: f64,
+) -> Option<(DVec3, DVec3)> {
+    let from = start - middle;
     let along = from.dot(direction);
-    let square = along * along - from.length_squared() + RADIUS * RADIUS;
+    let square = along * along - from.length_squared() + radius * radius;
     let root = (square > 0.0).then(|| square.sqrt())?;
-    Some((
-        start + (-along - root) * direction,
-        start + (-along + root) * direction,
-    ))
+    let at = |t: f64| start + t * direction;
+    Some((at(-along - root), at(-along + root)))
 }
 
 /// Hit of a ray from inside the room on its wall, and that wall's axis.

@@ -8,8 +8,15 @@ mod rendered;
 mod stiff;
 
 use crate::prelude::*;
-use relievo::engine;
 use relievo::light::lights::LightKinds;
+use std::sync::Arc;
+
+const REFRACTED: Bend = Bend::Glass { ior: 1.5 };
+
+/// The middle of a pixel.
+fn middle(x: usize, y: usize) -> DVec2 {
+    DVec2::new(x as f64, y as f64) + 0.5
+}
 
 /// The default search.
 fn traced(bend: Bend) -> SpecularParams {
@@ -42,9 +49,9 @@ fn fields(
     bend: Bend,
 ) -> Vec<Vector2Planes> {
     let plan = drawing(frame, params, bend);
-    let inputs = engine::PlanInputs {
+    let inputs = PlanInputs {
         specular: Some(scene),
-        ..engine::PlanInputs::default()
+        ..PlanInputs::default()
     };
     let fields = Engine::cpu().stroke_fields(&plan, frame, inputs, &params);
     fields.unwrap()

@@ -1,29 +1,16 @@
 //! A rendered mirror ball in a hall, against where the renderer's own rays ended.
 
-use super::{fields, traced};
-use crate::prelude::*;
-use relievo::io::{self, SpecularInputs, load_specular};
+use super::*;
+use crate::common::files::load;
+use crate::common::program::fixture;
+use relievo::io::{SpecularInputs, load_specular};
 use relievo::trace::Tracer;
-use std::path::{Path, PathBuf};
-
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
 
 /// The mirror, with normals and points of the file `hits` in place of its own where they are named.
 fn loaded() -> Loaded {
-    let inputs = Inputs {
-        picture: fixture("mirror.exr"),
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        color: true,
-        projection: true,
-        ..Needs::default()
-    };
-    io::load(&inputs, needs).unwrap()
+    load(fixture("mirror.exr"), |_, needs| {
+        (needs.color, needs.projection) = (true, true);
+    })
 }
 
 fn hits() -> Option<String> {
@@ -47,30 +34,23 @@ fn the_search_ends_where_the_renderers_rays_did() {
     let truth = scene.hit_position.as_ref().unwrap();
     let tracer = Tracer::new(&loaded.frame, &scene, &traced(Bend::Mirror)).unwrap();
     let (mut errors, mut all) = (Vec::new(), 0);
-    for y in 0..240 {
-        for x in 0..320 {
-            let expected = truth.at(x, y);
-            let Some(path) = tracer.path(x, y).filter(|_| expected.is_finite()) else {
-                continue;
-            };
-            all += 1;
-            if let Some(hit) = tracer.hit(&path.leaving()) {
-                let seen =
-                    (hit.point - path.entry.start).angle_between(expected - path.entry.start);
-                let apart = hit.point.distance(expected) / expected.distance(path.entry.start);
-                errors.push(apart.max(seen));
-            }
+    for (x, y) in places(320, 240) {
+        let expected = truth.at(x, y);
+        let Some(path) = tracer.path(x, y).filter(|_| expected.is_finite()) else {
+            continue;
+        };
+        all += 1;
+        if let Some(hit) = tracer.hit(&path.leaving()) {
+            let (start, found) = (path.entry.start, hit.point);
+            let seen = (found - start).angle_between(expected - start);
+            errors.push(seen.max(found.distance(expected) / expected.distance(start)));
         }
     }
-    errors.sort_by(f64::total_cmp);
-    let found = errors.len() as f64 / f64::from(all);
-    let median = errors[errors.len() / 2];
-    println!(
-        "{all} rays, {:.2} % found, median error {median:.1e} of the way",
-        100.0 * found
-    );
+    let (share, errors) = (errors.len() as f64 / f64::from(all), sorted(errors));
     // The map is rounded to 1/4096 of a length of some units, and normals on the ball are filtered.
-    assert!(all > 20_000 && found > 0.97 && median < 5e-3);
+    let median = quantile(&errors, 0.5);
+    let is_near = all > 20_000 && share > 0.97 && median < 5e-3;
+    assert!(is_near, "{all} rays, {share} found, {median} of the way");
 }
 
 /// Image direction where adjacent pixels hit walls: the upright tangent of [LA] section 4.2, by the Jacobian of the
@@ -109,34 +89,21 @@ fn truth(points: &Vector3Planes, x: usize, y: usize) -> Option<DVec2> {
 #[test]
 fn strokes_on_a_mirror_lie_where_the_renderers_rays_put_them() {
     let loaded = loaded();
-    let params = LineParams {
-        field: FieldParams {
-            fallback: Fallback::Surface,
-            ..FieldParams::default()
-        },
-        ..LineParams::default()
-    };
+    let params = default_but(|line: &mut LineParams| line.field.fallback = Fallback::Surface);
     let given = scene(&loaded, hits());
     let points = given.hit_position.clone().unwrap();
     for (name, scene) in [("searched", scene(&loaded, None)), ("given", given)] {
         let field = &fields(&loaded.frame, &scene, params, Bend::Mirror)[0];
-        let mut errors = Vec::new();
-        for y in 1..239 {
-            for x in 1..319 {
-                let Some(expected) = truth(&points, x, y) else {
-                    continue;
-                };
-                let found = DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into());
-                let sine = found.perp_dot(expected).abs();
-                errors.push(sine.atan2(found.dot(expected).abs()).to_degrees());
-            }
-        }
-        errors.sort_by(f64::total_cmp);
-        let median = errors[errors.len() / 2];
-        println!(
-            "{name}: {} pixels of walls, median {median:.2} degrees",
-            errors.len()
-        );
-        assert!(errors.len() > 1_000 && median < 3.0);
+        let inner = places(318, 238).map(|(x, y)| (x + 1, y + 1));
+        let errors = inner.filter_map(|(x, y)| {
+            let expected = truth(&points, x, y)?;
+            let found = direction_at(field, x, y);
+            let sine = found.perp_dot(expected).abs();
+            Some(sine.atan2(found.dot(expected).abs()).to_degrees())
+        });
+        let errors = sorted(errors);
+        let median = quantile(&errors, 0.5);
+        let is_near = errors.len() > 1_000 && median < 3.0;
+        assert!(is_near, "{name}: {median} degrees of {}", errors.len());
     }
 }
