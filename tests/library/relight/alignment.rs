@@ -1,6 +1,6 @@
 //! Light turned to the form.
 
-use super::{Asked, bits, covered, difference, lights, sky, torus_in_perspective};
+use super::{Asked, bits, difference, facing, lights, sky, torus_in_perspective};
 use crate::prelude::*;
 
 fn aligned(material: Material) -> Asked {
@@ -15,26 +15,17 @@ fn plain(asked: &Asked) -> Asked {
 
 /// Ground with small bumps, under which it is flat.
 fn ground(height: f32) -> Frame {
-    let normals = places(120, 100).flat_map(|(x, y)| {
-        let slope = [
-            height * (0.5 * x as f32).cos(),
-            height * (0.4 * y as f32).cos(),
-        ];
-        Vec3::new(-slope[0], -slope[1], 1.0).normalize().to_array()
-    });
-    let normals: Vec<f32> = normals.collect();
-    let frame = Frame::builder(120, 100).normals(Normals::view(&normals));
-    frame.build().unwrap()
+    facing(120, 100, |x, y| {
+        let slope = [(0.5 * x as f32).cos(), (0.4 * y as f32).cos()].map(|v| height * v);
+        Vec3::new(-slope[0], -slope[1], 1.0)
+    })
 }
 
 #[test]
 fn strength_0_and_flat_surfaces_show_plain_light() {
     let frame = torus_in_perspective();
-    for material in [
-        Material::Lambert,
-        Material::Phong,
-        Material::AshikhminShirley,
-    ] {
+    use Material::{AshikhminShirley, Lambert, Phong};
+    for material in [Lambert, Phong, AshikhminShirley] {
         let mut idle = aligned(material);
         assert!(bits(&idle.color(&frame)) != bits(&plain(&idle).color(&frame)));
         idle.relight.align = 0.0;
@@ -70,11 +61,8 @@ fn detail_stands_out_and_the_mean_stays() {
 #[test]
 fn highlights_stay() {
     let frame = torus_in_perspective();
-    for material in [
-        Material::Phong,
-        Material::BlinnPhong,
-        Material::AshikhminShirley,
-    ] {
+    use Material::{AshikhminShirley, BlinnPhong, Phong};
+    for material in [Phong, BlinnPhong, AshikhminShirley] {
         let lamp = aligned(material);
         let around = lamp.clone().in_environment(sky(), SampleCount::Fixed(20));
         for mut asked in [lamp, around] {
@@ -83,22 +71,4 @@ fn highlights_stay() {
             assert!(found < 1e-5, "{material:?}: {found}");
         }
     }
-}
-
-#[test]
-fn what_cannot_be_turned_is_refused() {
-    let frame = torus_in_perspective();
-    let refused = |asked: &Asked| asked.plan(&frame).unwrap_err().to_string();
-    let looked_up = aligned(Material::Lambert).in_environment(sky(), SampleCount::Fixed(0));
-    assert!(refused(&looked_up).starts_with("--samples"));
-    let mirror = aligned(Material::Mirror).in_environment(sky(), SampleCount::Auto);
-    assert!(refused(&mirror).starts_with("--method"));
-    let even = aligned(Material::Lambert).with(|asked| {
-        asked.light = Illumination::default();
-        asked.relight.material.ambient = 0.5;
-    });
-    assert!(refused(&even).starts_with("--method"));
-    let around = aligned(Material::Lambert).in_environment(sky(), SampleCount::Auto);
-    let plan = around.plan(&frame).unwrap();
-    assert!(plan.runs("alignment") && !plan.runs("environment-prefilter"));
 }

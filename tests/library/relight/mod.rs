@@ -69,21 +69,24 @@ fn torus_in_perspective() -> Frame {
     torus_scene().in_perspective().frame(97, 94)
 }
 
+/// A frame of these normals, of any length, and nothing else.
+fn facing(width: usize, height: usize, mut normal: impl FnMut(usize, usize) -> Vec3) -> Frame {
+    let normals = places(width, height).flat_map(|(x, y)| normal(x, y).normalize().to_array());
+    let normals: Vec<f32> = normals.collect();
+    let frame = Frame::builder(width, height).normals(Normals::view(&normals));
+    frame.build().unwrap()
+}
+
 fn sky() -> Environment {
     relit::sky(4)
 }
 
 /// The largest difference of two pictures.
 fn difference(a: &ColorPlanes, b: &ColorPlanes) -> f32 {
-    let planes = [(&a.r, &b.r), (&a.g, &b.g), (&a.b, &b.b)];
-    planes
-        .map(|(a, b)| apart(a, b))
-        .into_iter()
-        .fold(0.0, f32::max)
+    let pairs = channels(a).into_iter().zip(channels(b));
+    pairs.map(|(a, b)| apart(a, b)).fold(0.0, f32::max)
 }
 
 fn bits(color: &ColorPlanes) -> Vec<u32> {
-    let planes: [&Plane; 3] = [&color.r, &color.g, &color.b];
-    let samples = planes.into_iter().flat_map(|plane| plane.samples());
-    samples.map(|v| v.to_bits()).collect()
+    channels(color).map(crate::common::bits).concat()
 }

@@ -1,34 +1,37 @@
 //! Strength 0 is the plain picture, bit for bit; inputs without light are refused.
 
+use super::raking::{ground, raking};
 use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
 use crate::prelude::*;
 use relievo::light::lit_sphere::LitSphere;
 
 /// Every material, in light that shines on it.
 fn all() -> Vec<(String, Asked)> {
+    use Material::{Glass, Lambert, Mirror, Phong};
+    let of = |material| Asked::of(material, Method::Plain);
     let mut all = Vec::new();
     for material in LIT {
-        let lit = Asked::of(material, Method::Plain);
-        all.push((format!("{material:?} by a light"), lit));
-        let sampled =
-            Asked::of(material, Method::Plain).in_environment(sky(), SampleCount::Fixed(20));
+        all.push((format!("{material:?} by a light"), of(material)));
+        let sampled = of(material).in_environment(sky(), SampleCount::Fixed(20));
         all.push((format!("{material:?} by an environment"), sampled));
     }
+    let (looked_up, auto) = (SampleCount::Fixed(0), SampleCount::Auto);
     for (material, samples) in [
-        (Material::Lambert, SampleCount::Fixed(0)),
-        (Material::Phong, SampleCount::Fixed(0)),
-        (Material::Mirror, SampleCount::Auto),
-        (Material::Glass, SampleCount::Auto),
+        (Lambert, looked_up),
+        (Phong, looked_up),
+        (Mirror, auto),
+        (Glass, auto),
     ] {
-        let asked = Asked::of(material, Method::Plain).in_environment(sky(), samples);
+        let asked = of(material).in_environment(sky(), samples);
         all.push((format!("{material:?} by look-ups"), asked));
     }
     let plane = Plane::from_fn(32, 32, |x, y| (x + y) as f32 / 64.0);
-    let mut asked = Asked::of(Material::Lambert, Method::Plain);
-    asked.light = Illumination::default();
     let sphere = LitSphere::new(ColorPlanes::grey(plane));
-    asked.light.lit_spheres.push(sphere);
-    all.push(("lit sphere".into(), asked));
+    let by_sphere = of(Lambert).with(|asked| {
+        asked.light = Illumination::default();
+        asked.light.lit_spheres.push(sphere);
+    });
+    all.push(("lit sphere".into(), by_sphere));
     all
 }
 
@@ -93,14 +96,30 @@ fn a_plan_pays_only_for_what_it_needs() {
 #[test]
 fn what_cannot_be_lit_is_refused_with_a_way_out() {
     let frame = torus_in_perspective();
-    let refused = |asked: &Asked| asked.plan(&frame).unwrap_err().to_string();
-    let mut dark = Asked::of(Material::Lambert, Method::Plain);
-    dark.light = Illumination::default();
-    assert!(refused(&dark).contains("--light"));
-    let mut mirror = Asked::of(Material::Mirror, Method::Plain);
-    mirror.light = lights(&[glam::Vec3::Z]);
-    assert!(refused(&mirror).contains("--environment"));
-    let sampled = Asked::of(Material::AshikhminShirley, Method::Plain);
-    let sampled = sampled.in_environment(sky(), SampleCount::Fixed(0));
-    assert!(refused(&sampled).contains("--samples"));
+    let of = |material, method| Asked::of(material, method);
+    let around = |asked: Asked, samples| asked.in_environment(sky(), samples);
+    let by =
+        |asked: Asked, directions: &[Vec3]| asked.with(|asked| asked.light = lights(directions));
+    let (look_up, lambert) = (SampleCount::Fixed(0), Material::Lambert);
+    let even =
+        by(of(lambert, Method::Align), &[]).with(|asked| asked.relight.material.ambient = 0.5);
+    #[rustfmt::skip]
+    let rows = [
+        (&frame, by(of(lambert, Method::Plain), &[]), "--light"),
+        (&frame, by(of(Material::Mirror, Method::Plain), &[Vec3::Z]), "--environment"),
+        (&frame, around(of(Material::AshikhminShirley, Method::Plain), look_up), "--samples"),
+        // Light that cannot be turned.
+        (&frame, around(of(lambert, Method::Align), look_up), "--samples"),
+        (&frame, around(of(Material::Mirror, Method::Align), SampleCount::Auto), "--method"),
+        (&frame, even, "--method"),
+        (&frame, raking(Raking::Best), "--raking is for flat work"),
+        (&ground(), around(raking(Raking::Best), SampleCount::Fixed(20)), "--raking turns lamps"),
+    ];
+    for (frame, asked, what) in rows {
+        let said = asked.plan(frame).unwrap_err().to_string();
+        assert!(said.contains(what), "{what}: {said}");
+    }
+    let plan = around(of(lambert, Method::Align), SampleCount::Auto);
+    let plan = plan.plan(&frame).unwrap();
+    assert!(plan.runs("alignment") && !plan.runs("environment-prefilter"));
 }

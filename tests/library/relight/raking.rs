@@ -1,6 +1,6 @@
 //! Raking light from the azimuth that shows each region best.
 
-use super::{Asked, bits, sky, torus_in_perspective};
+use super::{Asked, bits, facing};
 use crate::prelude::*;
 
 /// Banks in 18 directions, 10 degrees apart, on ground that rolls by 3 m in 150 px of 1 m.
@@ -24,15 +24,14 @@ fn bank(i: usize) -> (DVec2, DVec2) {
 }
 
 /// Normals by pixel; y of the picture runs down.
-fn ground() -> Frame {
+pub(super) fn ground() -> Frame {
     let mut random = 1_u64;
     let mut uniform = || {
         random = random.wrapping_mul(6_364_136_223_846_793_005);
         random = random.wrapping_add(1_442_695_040_888_963_407);
         (random >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
     };
-    let mut normals = Vec::new();
-    for (x, y) in places(WIDTH, HEIGHT) {
+    facing(WIDTH, HEIGHT, |x, y| {
         let at = DVec2::new(x as f64, y as f64);
         let turn = std::f64::consts::TAU / 150.0;
         let rolling = DVec2::new((turn * at.x).cos(), (turn * at.y + 1.0).cos());
@@ -48,11 +47,8 @@ fn ground() -> Frame {
         // The sum of twelve has a variance of 1.
         let mut noise = || NOISE * (0..12).map(|_| uniform()).sum::<f64>();
         slope += DVec2::new(noise(), noise());
-        let normal = Vec3::new(-slope.x as f32, slope.y as f32, 1.0).normalize();
-        normals.extend(normal.to_array());
-    }
-    let builder = Frame::builder(WIDTH, HEIGHT).normals(Normals::view(&normals));
-    builder.build().unwrap()
+        Vec3::new(-slope.x as f32, slope.y as f32, 1.0)
+    })
 }
 
 /// How much brighter one flank of each bank is than the other, in the mean along it, beyond the trend of the ground, over
@@ -65,10 +61,9 @@ fn shown(asked: &Asked, frame: &Frame) -> [f64; BANKS] {
         let (middle, across) = bank(i);
         let spots = |off: f64| {
             let steps = (-(half as i32) + 5)..(half as i32 - 5);
-            let start = middle + off * across;
+            let (start, count) = (middle + off * across, steps.len() as f64);
             let spots = steps.map(|along| at(start + f64::from(along) * across.perp()));
-            let spots: Vec<f64> = spots.collect();
-            spots.iter().sum::<f64>() / spots.len() as f64
+            spots.sum::<f64>() / count
         };
         let flanks = spots(sigma) - spots(-sigma);
         let trend = (spots(4.0 * sigma) - spots(-4.0 * sigma)) / 4.0;
@@ -77,7 +72,7 @@ fn shown(asked: &Asked, frame: &Frame) -> [f64; BANKS] {
     })
 }
 
-fn raking(raking: Raking) -> Asked {
+pub(super) fn raking(raking: Raking) -> Asked {
     Asked::of(Material::Lambert, Method::Plain).with(|asked| {
         asked.relight.raking = raking;
         asked.light = Illumination::default();
@@ -104,9 +99,7 @@ fn banks_of_all_directions_are_shown_alike() {
 /// Without detail the light stays.
 #[test]
 fn flat_ground_is_lit_as_given() {
-    let normals = vec![Vec3::new(0.1, -0.05, 1.0).normalize().to_array(); 80 * 60].concat();
-    let frame = Frame::builder(80, 60).normals(Normals::view(&normals));
-    let frame = frame.build().unwrap();
+    let frame = facing(80, 60, |_, _| Vec3::new(0.1, -0.05, 1.0));
     let [best, given] = [Raking::Best, Raking::Given].map(|how| raking(how).color(&frame));
     assert!(apart(&best.g, &given.g) < 1e-4);
 }
@@ -122,13 +115,4 @@ fn every_method_takes_lamps_that_rake() {
         };
         assert!(of(Raking::Best) != of(Raking::Given), "{method:?}");
     }
-}
-
-#[test]
-fn what_turns_away_or_has_no_lamp_is_refused() {
-    let refused = |asked: &Asked, frame: &Frame| asked.plan(frame).unwrap_err().to_string();
-    let round = refused(&raking(Raking::Best), &torus_in_perspective());
-    assert!(round.starts_with("--raking is for flat work"), "{round}");
-    let around = raking(Raking::Best).in_environment(sky(), SampleCount::Fixed(20));
-    assert!(refused(&around, &ground()).starts_with("--raking turns lamps"));
 }

@@ -83,7 +83,6 @@ fn every_material_and_method_agrees_with_the_papers() {
                 asked.scaling.scaling_specular = Some(0.7);
                 let all: Vec<_> = directions().iter().map(|d| (d.as_dvec3(), 1.0)).collect();
                 let error = worst(&asked, &frame, |_, _| all.clone());
-                println!("{material:?} {method:?}: {error:.1e}");
                 // Powers up to 200 of a cosine that is off by a rounding, 6e-8.
                 assert!(error < 3e-5, "{material:?} {method:?}: {error:.1e}");
             }
