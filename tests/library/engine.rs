@@ -7,8 +7,7 @@ use std::sync::Mutex;
 fn waves() -> Frame {
     let mut frame = Scene::waves(80, 90).frame;
     let light = |x, y| 0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin();
-    let [r, g, b] = [0.9, 0.7, 0.5].map(|hue| Plane::from_fn(80, 90, |x, y| hue * light(x, y)));
-    frame.color = Some(ColorPlanes { r, g, b });
+    frame.color = Some(colors([80, 90], |i, x, y| [0.9, 0.7, 0.5][i] * light(x, y)));
     frame
 }
 
@@ -19,23 +18,17 @@ fn lamp() -> Illumination {
     }
 }
 
-fn shape() -> ShapeParams {
-    default_but(|shape: &mut ShapeParams| shape.scale = Scale::Iterations(6))
-}
-
-/// Of this shape, with the defaults of scaling.
+/// Of a short diffusion.
 fn usual() -> Params {
-    Params::of(shape(), ScalingParams::default())
+    default_but(|params: &mut Params| params.shape.scale = Scale::Iterations(6))
 }
 
 /// Parameters with nothing chosen from the frame.
 fn given() -> Params {
-    let scaling = ScalingParams {
-        curvature_gain: Adaptive::Fixed(3.0),
-        white_level: Adaptive::Fixed(1.0),
-        ..ScalingParams::default()
-    };
-    Params::of(shape(), scaling)
+    let mut params = usual();
+    params.scaling.curvature_gain = Adaptive::Fixed(3.0);
+    params.scaling.white_level = Adaptive::Fixed(1.0);
+    params
 }
 
 fn hatch(tone: Tone, line: LineParams) -> Request<'static> {
@@ -62,7 +55,8 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
     // Even light alone: the plan was made without lamps.
     let new_light = |available| {
         let goal = Goal::Relight(RelightParams::default());
-        Plan::new(goal, available, shape(), ScalingParams::default()).unwrap()
+        let params = usual();
+        Plan::new(goal, available, params.shape, params.scaling).unwrap()
     };
     let even = new_light(available);
     let mut with_sphere = available;
@@ -150,36 +144,26 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
     };
     let usual_line = LineParams::default();
     let lines_only = default_but(|line: &mut LineParams| line.lines_only = true);
-    vec![
+    #[rustfmt::skip]
+    let requests = vec![
         ("layers", false, Request::layers(usual())),
         ("relief", false, Request::new(relief, usual())),
         ("display", false, Request::display(usual())),
         ("enhance", true, Request::enhance(usual())),
         ("enhance by 0", true, Request::enhance(idle)),
         ("relight", false, Request::relight(usual(), light)),
-        (
-            "relight its colours",
-            true,
-            Request::relight(of_picture, light),
-        ),
-        (
-            "tone of the picture",
-            true,
-            drawn(Tone::Picture, usual_line),
-        ),
+        ("relight its colours", true, Request::relight(of_picture, light)),
+        ("tone of the picture", true, drawn(Tone::Picture, usual_line)),
         ("tone enhanced", true, drawn(Tone::Enhanced, usual_line)),
         ("tone relit", false, drawn(Tone::Relit(relit), usual_line)),
         ("tone of shape", false, of_shape(usual_line)),
-        (
-            "tone of shape, lit",
-            false,
-            drawn(Tone::Shape(Some(relit)), usual_line),
-        ),
+        ("tone of shape, lit", false, drawn(Tone::Shape(Some(relit)), usual_line)),
         ("engraving", false, of_shape(styled(Style::Engraving))),
         ("stipple", false, of_shape(styled(Style::Stipple))),
         ("lines only", false, drawn(Tone::Picture, lines_only)),
         ("shadows", false, of_shape(shadows)),
-    ]
+    ];
+    requests
 }
 
 /// Any two layers are missing, or all, or none: a request runs, unless it takes a picture that is not there. Its plan for
@@ -318,9 +302,9 @@ fn a_region_is_that_part_of_the_whole() {
         }
     }
     let outside = Window::at(window.x0 - 1, window.y0, 5, 5);
-    let run = Run::new().region(outside);
-    let error = engine.run(&request, &frame, &run).unwrap_err();
-    assert!(error.to_string().contains("inside the frame"), "{error}");
+    let outside = engine.run(&request, &frame, &Run::new().region(outside));
+    let error = outside.unwrap_err().to_string();
+    assert!(error.contains("inside the frame"), "{error}");
 }
 
 /// A region of a frame of a sequence is drawn as a frame of that part is, with as much around it as the plan reaches.
@@ -335,20 +319,16 @@ fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
         let outcome = engine.run(&request, frame, &run).unwrap();
         (outcome.drawing.unwrap(), plan.reach() as i32)
     };
-    let moved = |height: usize, width: usize| Vector2Planes {
-        x: Plane::filled(width, height, 1.0),
-        y: Plane::filled(width, height, 0.0),
+    let moved = |height: usize, width: usize| {
+        let [x, y] = [1.0, 0.0].map(|by| Plane::filled(width, height, by));
+        Vector2Planes { x, y }
     };
     let (window, still) = (frame.data_window, SequenceInputs::default());
     let region = Window::at(window.x0 + 20, window.y0 + 33, 31, 17);
     let (first, reach) = drawn(&frame, still, Some(region));
-    let around = Window {
-        x0: region.x0 - reach,
-        y0: region.y0 - reach,
-        x1: region.x1 + reach,
-        y1: region.y1 + reach,
-    };
-    let around = around.common(&window).unwrap();
+    let (x0, y0) = (region.x0 - reach, region.y0 - reach);
+    let (x1, y1) = (region.x1 + reach, region.y1 + reach);
+    let around = Window { x0, y0, x1, y1 }.common(&window).unwrap();
     let part = frame.crop(around);
     let (expected, _) = drawn(&part, still, None);
     let (all, of_part) = (moved(90, 80), moved(around.height(), around.width()));
@@ -369,8 +349,8 @@ fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
 fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
     let (frame, engine) = (waves(), Engine::cpu());
     let request = Request::layers(given());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
-    let pool = pool.unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2);
+    let pool = pool.build().unwrap();
     let (mut hessian, mut kappa) = (vec![0.0; 3 * 80 * 90], vec![0.0; 80 * 90]);
     let run = Run::new().threads(&pool);
     let run = run.output(Product::Hessian, &mut hessian);

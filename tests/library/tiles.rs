@@ -9,10 +9,10 @@ const SIZE: [usize; 2] = [40, 28];
 
 /// The normal and the brightness at a pixel of an endless pavement: waves, and a step in slope that makes a crease.
 fn pavement(x: i64, y: i64) -> ([f32; 3], f32) {
-    let (u, v) = (
+    let [u, v] = [
         x.rem_euclid(40) as f64 / 40.0,
         y.rem_euclid(28) as f64 / 28.0,
-    );
+    ];
     let edge = if (0.3..0.5).contains(&u) { 1.5 } else { 0.0 };
     let slope = [
         0.5 * (TAU * u).cos() + 0.2 * (TAU * (3.0 * u + v)).sin() + edge,
@@ -23,12 +23,12 @@ fn pavement(x: i64, y: i64) -> ([f32; 3], f32) {
     (n.as_vec3().to_array(), light as f32)
 }
 
-/// Codes of 8 bits of a normal.
-fn coded(n: DVec3) -> image::Rgb<u8> {
-    image::Rgb(
-        n.to_array()
-            .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
-    )
+/// Saves normals as a map in codes of 8 bits.
+fn save(path: &Path, [width, height]: [usize; 2], normal: impl Fn(u32, u32) -> DVec3) {
+    let code = |v: f64| ((0.5 * v + 0.5) * 255.0).round() as u8;
+    let pixel = |x, y| image::Rgb(normal(x, y).normalize().to_array().map(code));
+    let picture = image::RgbImage::from_fn(width as u32, height as u32, pixel);
+    picture.save(path).unwrap();
 }
 
 /// A window of it.
@@ -87,10 +87,21 @@ fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
 }
 
 fn given() -> ScalingParams {
-    ScalingParams {
-        curvature_gain: Adaptive::Fixed(3.0),
-        white_level: Adaptive::Fixed(0.8),
-        ..ScalingParams::default()
+    default_but(|scaling: &mut ScalingParams| {
+        scaling.curvature_gain = Adaptive::Fixed(3.0);
+        scaling.white_level = Adaptive::Fixed(0.8);
+    })
+}
+
+/// Expects the samples of one outcome in a window of another.
+#[track_caller]
+fn are_cut(parts: &Outcome, wholes: &Outcome, window: Window, what: impl std::fmt::Debug) {
+    assert!(parts.products().count() > 0);
+    for ((product, part), (_, whole)) in parts.products().zip(wholes.products()) {
+        for (part, whole) in part.iter().zip(whole) {
+            let all = Window::from_size(whole.width(), whole.height());
+            assert_eq!(**part, whole.crop(all, window), "{product:?} {what:?}");
+        }
     }
 }
 
@@ -110,15 +121,7 @@ fn a_tile_is_the_middle_of_its_repetition() {
         let middle = Window::at(-x0, -y0, SIZE[0], SIZE[1]);
         let [tiles, wholes] = [&tile(wraps), &whole].map(|frame| made(frame, given()));
         for (tile, whole) in tiles.iter().zip(&wholes) {
-            let mut count = 0;
-            for ((product, tile), (_, whole)) in tile.products().zip(whole.products()) {
-                for (tile, whole) in tile.iter().zip(whole) {
-                    let all = Window::from_size(whole.width(), whole.height());
-                    assert_eq!(**tile, whole.crop(all, middle), "{product:?} {wraps:?}");
-                    count += 1;
-                }
-            }
-            assert!(count > 0);
+            are_cut(tile, whole, middle, wraps);
         }
     }
     // A part of it is no tile across a border that it does not reach.
@@ -166,12 +169,7 @@ fn a_region_of_a_tile_is_cut_from_the_whole() {
     let part = Engine::cpu().run(&request, &tile, &Run::new().region(region));
     let part = part.unwrap();
     assert_eq!(part.gain, whole.gain);
-    let all = Window::from_size(SIZE[0], SIZE[1]);
-    for ((product, part), (_, whole)) in part.products().zip(whole.products()) {
-        for (part, whole) in part.iter().zip(whole) {
-            assert_eq!(**part, whole.crop(all, region), "{product:?}");
-        }
-    }
+    are_cut(&part, &whole, region, "");
 }
 
 /// The sky is hidden by what lies around a tile, as far as the radius reaches: nine tiles laid out are a tile that sees
@@ -209,54 +207,44 @@ fn the_sky_is_that_over_an_endless_surface() {
 fn a_rolled_tile_gives_rolled_results() {
     let rolled = part(Window::at(13, 9, SIZE[0], SIZE[1]), [true; 2]);
     let auto = ScalingParams::default();
-    for (straight, rolled) in made(&tile([true; 2]), auto).iter().zip(made(&rolled, auto)) {
+    let [straight, moved] = [tile([true; 2]), rolled];
+    for (straight, rolled) in made(&straight, auto).iter().zip(made(&moved, auto)) {
         assert_eq!(straight.gain, rolled.gain);
         assert_eq!(straight.white_level, rolled.white_level);
         for ((product, straight), (_, rolled)) in straight.products().zip(rolled.products()) {
             for (straight, rolled) in straight.iter().zip(rolled) {
-                for (x, y) in [(0, 0), (39, 27), (26, 18), (27, 19), (5, 20)] {
+                for (x, y) in SPOTS {
                     let there = straight.at((x + 13) % SIZE[0], (y + 9) % SIZE[1]);
                     assert_eq!(rolled.at(x, y), there, "{product:?} at {x}, {y}");
                 }
             }
         }
     }
-}
-
-/// An albedo that is estimated is that of the tile, wherever it is cut.
-#[test]
-fn a_rolled_tile_is_lit_as_it_was() {
+    // An albedo that is estimated is that of the tile.
     let illumination = Illumination {
         directional: vec![DirectionalLight::white([135.0, 40.0])],
         ..Illumination::default()
     };
-    let mut params = Params::default();
-    params.relight.albedo = AlbedoSource::Estimate;
-    let lit = |frame: &Frame| {
-        run(&Request::relight(params, &illumination), frame)
-            .color
-            .unwrap()
-            .r
-    };
-    let straight = lit(&tile([true; 2]));
-    let rolled = lit(&part(Window::at(13, 9, SIZE[0], SIZE[1]), [true; 2]));
-    for (x, y) in [(0, 0), (39, 27), (26, 18), (27, 19), (5, 20)] {
+    let params = default_but(|params: &mut Params| params.relight.albedo = AlbedoSource::Estimate);
+    let request = Request::relight(params, &illumination);
+    let [straight, rolled] = [straight, moved].map(|frame| run(&request, &frame).color.unwrap().r);
+    for (x, y) in SPOTS {
         let there = straight.at((x + 13) % SIZE[0], (y + 9) % SIZE[1]);
         // The sums of the fit are added in another order.
-        assert!((rolled.at(x, y) / there - 1.0).abs() < 1e-5, "{x}, {y}");
+        near(rolled.at(x, y) / there, 1.0, 1e-5, format!("{x}, {y}"));
     }
 }
+
+const SPOTS: [(usize, usize); 5] = [(0, 0), (39, 27), (26, 18), (27, 19), (5, 20)];
 
 /// The tile as an 8-bit normal map, in which steps between codes are removed across borders too.
 fn written(folder: &Path, window: Window) -> PathBuf {
     let from = |start: i32, at: u32| i64::from(start) + i64::from(at);
-    let pixel = |x, y| {
-        let (n, _) = pavement(from(window.x0, x), from(window.y0, y));
-        coded(DVec3::from(n.map(f64::from)))
-    };
     let path = folder.join(format!("{window}.png").replace(' ', "_"));
-    let picture = image::RgbImage::from_fn(window.width() as u32, window.height() as u32, pixel);
-    picture.save(&path).unwrap();
+    save(&path, [window.width(), window.height()], |x, y| {
+        let (n, _) = pavement(from(window.x0, x), from(window.y0, y));
+        DVec3::from(n.map(f64::from))
+    });
     path
 }
 
@@ -288,13 +276,11 @@ fn borders_that_continue_each_other_are_found() {
 #[test]
 fn a_calm_border_does_not_continue_a_busy_one() {
     let folder = tempfile::tempdir().unwrap();
-    let pixel = |x: u32, y: u32| {
-        let phase = TAU * (f64::from(x) / 2.5 + 0.618 * f64::from(y));
-        let slope = 0.3 * f64::from(x) / 95.0 * phase.sin();
-        coded(DVec3::new(-slope, 0.0, 1.0).normalize())
-    };
     let path = folder.path().join("calm.png");
-    image::RgbImage::from_fn(96, 64, pixel).save(&path).unwrap();
+    save(&path, [96, 64], |x, y| {
+        let phase = TAU * (f64::from(x) / 2.5 + 0.618 * f64::from(y));
+        DVec3::new(-0.3 * f64::from(x) / 95.0 * phase.sin(), 0.0, 1.0)
+    });
     let loaded = load(path, |inputs, _| inputs.wrap = Wrap::Auto);
     assert!(!loaded.frame.wraps[0]);
 }
@@ -304,20 +290,18 @@ fn a_calm_border_does_not_continue_a_busy_one() {
 #[test]
 fn rounding_is_undone_across_borders() {
     let folder = tempfile::tempdir().unwrap();
-    let wave = |x: u32| {
-        let slope = 0.02 * (TAU * f64::from(x % 64) / 64.0).cos();
-        coded(DVec3::new(-slope, 0.0, 1.0).normalize())
-    };
-    let read = |name: &str, width: u32, height: u32, wrap: Wrap| {
+    let read = |name: &str, side: usize, wrap: Wrap| {
         let path = folder.path().join(name);
-        let picture = image::RgbImage::from_fn(width, height, |x, _| wave(x));
-        picture.save(&path).unwrap();
+        save(&path, [side; 2], |x, _| {
+            let slope = 0.02 * (TAU * f64::from(x % 64) / 64.0).cos();
+            DVec3::new(-slope, 0.0, 1.0)
+        });
         load(path, |inputs, _| inputs.wrap = wrap).frame.normal
     };
     // Rounding is undone within 269 pixels: five repetitions on each side.
-    let tile = read("tile.png", 64, 64, Wrap::Xy);
-    let whole = read("whole.png", 64 * 11, 64 * 11, Wrap::None);
-    let alone = read("alone.png", 64, 64, Wrap::None);
+    let tile = read("tile.png", 64, Wrap::Xy);
+    let whole = read("whole.png", 64 * 11, Wrap::None);
+    let alone = read("alone.png", 64, Wrap::None);
     for i in 0..64 {
         assert_eq!(tile.at(i, 0), whole.at(320 + i, 320), "{i}");
         assert_eq!(tile.at(0, i), whole.at(320, 320 + i), "{i}");
@@ -350,10 +334,7 @@ fn height_is_made_where_it_is_named() {
     let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
     for (x, y) in [(0, 0), (59, 47), (15, 0), (40, 30)] {
         let (found, expected) = (found.at(x, y), (kept * wave(x, y)) as f32);
-        assert!(
-            (found - expected).abs() < 1e-4,
-            "{x}, {y}: {found} {expected}"
-        );
+        near(found, expected, 1e-4, format!("{x}, {y}"));
     }
     // A crest sees all of its sky, a trough less.
     let [crest, trough] = [15, 45].map(|x| sky.at(x, 0));
