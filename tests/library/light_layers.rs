@@ -9,11 +9,14 @@ const WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Parameters with nothing chosen from the frame.
 fn fixed() -> ScalingParams {
-    ScalingParams {
-        curvature_gain: Adaptive::Fixed(20.0),
-        white_level: Adaptive::Fixed(1.5),
-        ..ScalingParams::default()
-    }
+    default_but(|params: &mut ScalingParams| {
+        params.curvature_gain = Adaptive::Fixed(20.0);
+        params.white_level = Adaptive::Fixed(1.5);
+    })
+}
+
+fn scaled(scaling: f32) -> ScalingParams {
+    ScalingParams { scaling, ..fixed() }
 }
 
 fn plan(frame: &Frame, params: ScalingParams) -> Plan {
@@ -35,19 +38,18 @@ fn enhanced(frame: &Frame, params: ScalingParams) -> (ColorPlanes, Plane) {
 }
 
 fn bits(color: &ColorPlanes) -> Vec<u32> {
-    let samples = channels(color).into_iter().flat_map(|p| p.samples());
-    samples.map(|s| s.to_bits()).collect()
+    channels(color).map(crate::common::bits).concat()
 }
 
 /// Parameters with magnitudes for ambient, diffuse and specular light, where they are given.
 fn by_term(magnitudes: [Option<f32>; 3]) -> ScalingParams {
-    let [scaling_ambient, scaling_diffuse, scaling_specular] = magnitudes;
-    ScalingParams {
-        scaling_ambient,
-        scaling_diffuse,
-        scaling_specular,
-        ..fixed()
-    }
+    let mut params = fixed();
+    [
+        params.scaling_ambient,
+        params.scaling_diffuse,
+        params.scaling_specular,
+    ] = magnitudes;
+    params
 }
 
 /// Expects a sample to be what it should be but for rounding.
@@ -58,10 +60,7 @@ fn is(found: f32, expected: f32, of: f32, what: &str) {
 
 #[test]
 fn a_magnitude_of_0_runs_nothing_in_every_mode() {
-    let none = ScalingParams {
-        scaling: 0.0,
-        ..fixed()
-    };
+    let none = scaled(0.0);
     let lobes = scene();
     let mut whole = lobes.clone();
     whole.light.lobes.clear();
@@ -128,11 +127,7 @@ fn the_color_of_a_lobe_is_kept() {
     frame.light.lobes.truncate(1);
     let lobe = frame.light.lobes[0].clone();
     frame.color = Some(color(|i, x, y| radiance(&lobe, i, x, y)));
-    let strong = ScalingParams {
-        scaling: 3.0,
-        ..fixed()
-    };
-    let (made, _) = enhanced(&frame, strong);
+    let (made, _) = enhanced(&frame, scaled(3.0));
     for (x, y) in places(WIDTH, HEIGHT) {
         let ratio = |c: &ColorPlanes| c.r.at(x, y) / c.g.at(x, y);
         let (before, after) = (ratio(frame.color.as_ref().unwrap()), ratio(&made));
@@ -236,9 +231,8 @@ fn bad_light_gives_finite_pictures() {
             frame.light.groups.clear();
             for white_level in [Adaptive::Auto, Adaptive::Fixed(1e-30)] {
                 let params = ScalingParams {
-                    scaling: 50.0,
                     white_level,
-                    ..fixed()
+                    ..scaled(50.0)
                 };
                 let (made, _) = enhanced(&frame, params);
                 let mut samples = channels(&made).into_iter().flat_map(|p| p.samples());

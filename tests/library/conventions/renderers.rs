@@ -62,24 +62,18 @@ struct ReadAs {
 
 impl Space {
     fn normals(self) -> [Plane; 3] {
-        match self {
-            Self::In(axes) => {
-                let world = view_from(truth(), axes()).inverse();
-                normals(DVec3::ZERO, |n| world.transform_vector3(n))
-            }
-            Self::Seen(change) => normals(DVec3::ZERO, change),
-        }
+        normals(DVec3::ZERO, |n| match self {
+            Self::In(axes) => view_from(truth(), axes()).inverse().transform_vector3(n),
+            Self::Seen(change) => change(n),
+        })
     }
 
     fn positions(self) -> [Plane; 3] {
-        let truth = truth();
-        [0, 1, 2].map(|axis| match self {
-            Self::In(axes) => {
-                let world = view_from(truth, axes()).inverse();
-                truth.point(axis, 0.0, |p| world.transform_point3(p))
-            }
-            Self::Seen(change) => truth.point(axis, 0.0, change),
-        })
+        let change = |p| match self {
+            Self::In(axes) => view_from(truth(), axes()).inverse().transform_point3(p),
+            Self::Seen(change) => change(p),
+        };
+        [0, 1, 2].map(|axis| truth().point(axis, 0.0, change))
     }
 }
 
@@ -124,19 +118,18 @@ impl File {
         assert!(off < 1e-5, "{renderer}: depth is off by a share of {off}");
     }
 
-    fn with_position(mut self, name: &'static str, components: [&'static str; 3]) -> Self {
-        self.position = Some((name, components, Float));
-        self
+    fn with_position(self, name: &'static str, components: [&'static str; 3]) -> Self {
+        let position = Some((name, components, Float));
+        Self { position, ..self }
     }
 
-    fn with(mut self, more: fn(Part) -> Part) -> Self {
-        self.more = more;
-        self
+    fn with(self, more: fn(Part) -> Part) -> Self {
+        Self { more, ..self }
     }
 
-    fn in_parts(mut self) -> Self {
-        self.in_parts = true;
-        self
+    fn in_parts(self) -> Self {
+        let in_parts = true;
+        Self { in_parts, ..self }
     }
 }
 
@@ -193,27 +186,11 @@ fn with_matrices(part: Part, to_camera: DAffine3, to_ndc: DMat4, transposed: boo
         .floats("worldToNDC", "m44f", &to_ndc)
 }
 
-// Changes of view space.
-
-fn same(n: DVec3) -> DVec3 {
-    n
-}
-
-fn z_away(n: DVec3) -> DVec3 {
-    DVec3::new(n.x, n.y, -n.z)
-}
-
-fn x_left(n: DVec3) -> DVec3 {
-    DVec3::new(-n.x, n.y, n.z)
-}
-
+const SAME: Space = Space::Seen(|n| n);
+const AWAY: Space = Space::Seen(|n| DVec3::new(n.x, n.y, -n.z));
+const LEFT: Space = Space::Seen(|n| DVec3::new(-n.x, n.y, n.z));
 /// Tangent space of a picture: green down, encoded as 0..1.
-fn green_down(n: DVec3) -> DVec3 {
-    0.5 * DVec3::new(n.x, -n.y, n.z) + 0.5
-}
-
-const SAME: Space = Space::Seen(same);
-const AWAY: Space = Space::Seen(z_away);
+const GREEN_DOWN: Space = Space::Seen(|n| 0.5 * DVec3::new(n.x, -n.y, n.z) + 0.5);
 /// Right-handed, z up: the truth's own.
 const Z_UP: Space = Space::In(|| DMat3::IDENTITY);
 const Y_UP: Space = Space::In(y_up);
@@ -252,7 +229,7 @@ fn pbrt_camera(part: Part) -> Part {
 
 /// Normals of facets beside the shading normals.
 fn pbrt_facets(part: Part) -> Part {
-    let facet = |n| (z_away(n) + DVec3::new(0.3, 0.0, 0.0)).normalize();
+    let facet = |n: DVec3| DVec3::new(n.x + 0.3, n.y, -n.z).normalize();
     pbrt_camera(with_layer(
         part,
         ("N", XYZ, Half),
@@ -327,12 +304,11 @@ fn read_as(space: NormalSpace, depth: StoredDepth, worst_deg: f64) -> ReadAs {
 }
 
 fn flipped(axis: char, read_as: ReadAs) -> ReadAs {
-    let flip = Flip {
-        x: axis == 'x',
-        y: axis == 'y',
-        z: axis == 'z',
-    };
-    ReadAs { flip, ..read_as }
+    let [x, y, z] = ['x', 'y', 'z'].map(|name| name == axis);
+    ReadAs {
+        flip: Flip { x, y, z },
+        ..read_as
+    }
 }
 
 use NormalSpace::{View, World};
@@ -375,7 +351,7 @@ fn files() -> Vec<File> {
             flipped('z', read_as(View, Planar, HALF_DEG))).with(pbrt_facets).with_position("P", XYZ),
         file("pbrt, world", ("Ns", XYZ, Half), Y_UP, None,
             read_as(World, Planar, HALF_DEG)).with(pbrt_camera).with_position("P", XYZ),
-        file("V-Ray", ("normals", XYZ, Float), Space::Seen(x_left), Some((&["zDepth.Z"], Float, 0.0, vray)),
+        file("V-Ray", ("normals", XYZ, Float), LEFT, Some((&["zDepth.Z"], Float, 0.0, vray)),
             flipped('x', read_as(View, NormalizedNearIsOne, FLOAT_DEG))).with(vray_camera),
         file("Redshift", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 0.0, PLANAR)),
             read_as(World, Planar, FLOAT_DEG)).with(redshift_camera),
@@ -400,12 +376,12 @@ fn files() -> Vec<File> {
             read_as(World, Relative, HALF_DEG)).with(unreal_camera),
         file("Unreal, nothing stated", UNREAL, LEFT_HANDED, Some((UNREAL_DEPTH, Half, 65504.0, centimetres)),
             read_as(World, Relative, HALF_DEG + DEPTH_DEG)),
-        file("DirectX", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, PLANAR)),
+        file("DirectX", ("normal", RGB, Half), GREEN_DOWN, Some((&["Z"], Float, 0.0, PLANAR)),
             flipped('y', read_as(View, Planar, ENCODED_HALF_DEG))),
         // Maps of game tools: depth in shades of grey in either direction, which no name tells.
-        file("DirectX, white near", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, vray)),
+        file("DirectX, white near", ("normal", RGB, Half), GREEN_DOWN, Some((&["Z"], Float, 0.0, vray)),
             flipped('y', read_as(View, NormalizedNearIsOne, ENCODED_HALF_DEG))),
-        file("DirectX, white far", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 1.0, corona)),
+        file("DirectX, white far", ("normal", RGB, Half), GREEN_DOWN, Some((&["Z"], Float, 1.0, corona)),
             flipped('y', read_as(View, WhiteFar, ENCODED_HALF_DEG))),
         file("OpenGL, white near", ("normal", RGB, Half), SAME, Some((&["Z"], Float, 0.0, vray)),
             read_as(View, NormalizedNearIsOne, HALF_DEG)),
