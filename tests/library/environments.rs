@@ -25,16 +25,15 @@ fn shaded(lights: &[DirectionalLight], n: Vec3) -> [f64; 3] {
 /// E(n) / pi by summing all pixels of the map.
 fn summed(map: &Environment, normals: &[Vec3]) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; normals.len()];
-    for y in 0..map.height() {
+    for (x, y) in places(map.width(), map.height()) {
         let share = map.solid_angle(y) / std::f64::consts::PI;
-        for x in 0..map.width() {
-            let (direction, radiance) = (map.direction(x, y), map.pixel(x, y));
-            for (sum, n) in sums.iter_mut().zip(normals) {
-                let cosine = f64::from(n.dot(direction).max(0.0));
-                for (sum, radiance) in sum.iter_mut().zip(radiance) {
-                    *sum += cosine * share * f64::from(radiance);
-                }
-            }
+        let (direction, radiance) = (map.direction(x, y), map.pixel(x, y));
+        for (sum, n) in sums.iter_mut().zip(normals) {
+            let cosine = f64::from(n.dot(direction).max(0.0));
+            let shares = radiance.map(|radiance| cosine * share * f64::from(radiance));
+            sum.iter_mut()
+                .zip(shares)
+                .for_each(|(sum, own)| *sum += own);
         }
     }
     sums
@@ -69,13 +68,8 @@ fn made_up() -> Environment {
 
 /// All maps: the synthetic one, and the real ones if present.
 fn maps() -> Vec<(&'static str, Environment)> {
-    let files = [
-        "courtyard_512.hdr",
-        "interior_1k_dwab.exr",
-        "studio_1k_dwab.exr",
-        "sunset_1k_dwab.exr",
-    ];
-    let real = files.into_iter().filter_map(|name| {
+    let files = "courtyard_512.hdr interior_1k_dwab.exr studio_1k_dwab.exr sunset_1k_dwab.exr";
+    let real = files.split(' ').filter_map(|name| {
         let path = real(&format!("env/{name}"))?;
         Some((name, read_environment(&path).unwrap()))
     });
@@ -95,8 +89,6 @@ fn more_lights_err_less() {
         };
         let counts = [16, 64, 256, 1024];
         let cut = counts.map(|n| of(&median_cut(&map, n)));
-        let uniform = counts.map(|n| of(&uniform_lights(&map, n)));
-        println!("{name:<22} lights {counts:?}: median cut {cut:.5?}, uniform {uniform:.5?}");
         // Four times the lights halve the size of regions; half of the corresponding gain is required.
         for pair in cut.windows(2) {
             assert!(pair[1] < 0.7 * pair[0], "{name}: {cut:?}");
@@ -114,7 +106,6 @@ fn the_map_of_irradiance_is_the_sum_over_all_pixels() {
         let read = |n: &Vec3| filtered.radiance(n.to_array()).map(f64::from);
         let found: Vec<_> = normals.iter().map(read).collect();
         let of_map = error(&found, &truth);
-        println!("{name:<22} map {of_map:.5}");
         // Bilinear look-ups between 128 columns: 3e-4 where irradiance is smooth, 1.2e-2 of a sun's
         // share on the seam of its shadow, which a twentieth of all normals touch.
         assert!(of_map < 3e-3, "{name}: {of_map}");
@@ -131,7 +122,6 @@ fn a_furnace_is_white() {
             let errors = normals.iter().map(|&n| (shaded(&lights, n)[0] - 1.0).abs());
             errors.fold(0.0, f64::max)
         });
-        println!("furnace, 16 to 4096 lights: worst {worst:.5?}");
         assert!(worst[4] < 2e-3 && worst[4] < worst[0] / 10.0, "{worst:?}");
     }
 }
@@ -184,14 +174,15 @@ fn what_cannot_light_is_refused_in_one_line() {
     assert!(is_told, "{message}");
     let text = directory.path().join("notes.png");
     std::fs::write(&text, "no picture").unwrap();
-    let absent = directory.path().join("absent.hdr");
-    for path in [&text, &absent] {
+    for path in [&text, &directory.path().join("absent.hdr")] {
         let map = read_environment(path).unwrap_err().to_string();
         let sphere = read_lit_sphere(path).unwrap_err().to_string();
         let name = path.file_name().unwrap().to_str().unwrap();
         for message in [map, sphere] {
-            let is_one_line = message.contains(name) && !message.contains('\n');
-            assert!(is_one_line, "{message}");
+            assert!(
+                message.contains(name) && !message.contains('\n'),
+                "{message}"
+            );
         }
     }
 }
@@ -227,7 +218,6 @@ fn real_lit_spheres_are_read() {
         };
         let sphere = read_lit_sphere(&path).unwrap();
         let largest = sphere.largest_luminance([0.2126, 0.7152, 0.0722]);
-        println!("{name}: {:?}, largest {largest}", sphere.color([0.0, 0.0]));
         assert!(largest > 0.3 && largest < 100.0, "{name}: {largest}");
     }
 }

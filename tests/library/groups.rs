@@ -121,16 +121,7 @@ fn all_layers_come_from_one_group_and_plain_ones_only_where_it_has_none() {
     let plain = part("more", &channels("", &PLAIN[..1], &[]));
     let whole = [whole("FG", &FG), whole("BG", &BG), plain];
     let whole = file(at("whole.exr"), &whole);
-    let names = [
-        "normal x",
-        "normal y",
-        "depth",
-        "red",
-        "green",
-        "alpha",
-        "occlusion",
-    ];
-    let names = names.into_iter().chain(["direct", "surface"]);
+    let names = "normal x,normal y,depth,red,green,alpha,occlusion,direct,surface".split(',');
     let fg = [0.6, 0.0, 10.0, 0.1, 0.2, 1.0, 0.75, 0.4, 0.5];
     let fg: Vec<_> = names.clone().zip(fg).collect();
     // Its only light has no colour of a surface, and is not scaled.

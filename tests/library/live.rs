@@ -85,12 +85,8 @@ fn all_of(outcome: &Outcome) -> BTreeMap<&'static str, Vec<u32>> {
     let planes = planes(outcome).into_iter();
     let planes = planes.map(|(name, plane)| (name, bits(plane)));
     let white_point = outcome.drawing.as_ref().map(|d| d.white_point);
-    let numbers = [
-        ("gain", outcome.gain),
-        ("white", outcome.white_level),
-        ("white point", white_point),
-    ];
-    let numbers = numbers.into_iter();
+    let numbers = [outcome.gain, outcome.white_level, white_point].into_iter();
+    let numbers = ["gain", "white", "white point"].into_iter().zip(numbers);
     let numbers = numbers.filter_map(|(name, number)| Some((name, vec![number?.to_bits()])));
     planes.chain(numbers).collect()
 }
@@ -187,13 +183,8 @@ fn only_what_a_change_touches_is_made_anew() {
         a.scaling.curvature_gain = Adaptive::Fixed(4.0)
     });
     // Other edges recompute everything except products of the picture alone.
-    let all = [
-        "auto-gain",
-        "curvature",
-        "diffusion",
-        "edges-and-gradient",
-        "radiance-scaling",
-    ];
+    let all = "auto-gain curvature diffusion edges-and-gradient radiance-scaling";
+    let all: Vec<_> = all.split(' ').collect();
     expect(&enhance, &all, |a| {
         a.shape.crease = SoftThreshold { lo: 20.0, hi: 40.0 }
     });

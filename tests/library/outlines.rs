@@ -77,14 +77,12 @@ fn read(scene: &Scene, flip: Flip, depth: Option<StoredDepth>) -> Loaded {
     })
 }
 
-const X: Flip = Flip {
-    x: true,
-    ..Flip::NONE
-};
-const Y: Flip = Flip {
-    y: true,
-    ..Flip::NONE
-};
+const fn reversing(x: bool, y: bool) -> Flip {
+    Flip { x, y, z: false }
+}
+
+const X: Flip = reversing(true, false);
+const Y: Flip = reversing(false, true);
 
 fn warns(loaded: &Loaded, of: &str) -> bool {
     loaded.warnings.iter().any(|text| text.contains(of))
@@ -121,12 +119,8 @@ fn without_depth_outlines_and_curl_tell_x_from_y() {
         let loaded = read(&scene, flip, None);
         assert_eq!(loaded.conventions.normal_flip, flip);
         // A bowl with y reversed looks as a dome with x reversed.
-        assert_eq!(
-            warns(&loaded, "hollow form"),
-            flip.x,
-            "{:?}",
-            loaded.warnings
-        );
+        let is_warned = warns(&loaded, "hollow form");
+        assert_eq!(is_warned, flip.x, "{:?}", loaded.warnings);
     }
     // What ends on all sides but bends nowhere shows nothing.
     let mut flat = ball();
@@ -199,14 +193,10 @@ fn axes_are_right_or_in_doubt() {
     let mask = scene.mask.clone();
     // A wall behind it: nothing tells where the bust ends but its rims.
     let before = |plane: &Plane, behind: f32| {
-        let at = |x, y| {
-            if mask.at(x, y) {
-                plane.at(x, y)
-            } else {
-                behind
-            }
-        };
-        Plane::from_fn(mask.width(), mask.height(), at)
+        Plane::from_fn(mask.width(), mask.height(), |x, y| match mask.at(x, y) {
+            true => plane.at(x, y),
+            false => behind,
+        })
     };
     let far = scene.depth.samples().iter().copied().fold(0.0, f32::max);
     scene.depth = before(&scene.depth, 2.0 * far);
@@ -218,11 +208,8 @@ fn axes_are_right_or_in_doubt() {
         let [x, y, z] = [0, 1, 2].map(|i| worse(&truth[i], side, (i as u64 + 1) * noise));
         let planes = Vector3Planes { x, y, z };
         let depth = worse(&scene.depth, side, 0);
-        for flip in (0..8).map(|bits| Flip {
-            x: bits & 1 > 0,
-            y: bits & 2 > 0,
-            z: bits & 4 > 0,
-        }) {
+        for [x, y, z] in (0..8).map(|bits| [1, 2, 4].map(|axis| bits & axis > 0)) {
+            let flip = Flip { x, y, z };
             let map = reversed(&planes, flip);
             for form in [Form::Floats, Form::Pair, Form::Codes] {
                 for depth in [None, Some(&depth)] {
@@ -243,6 +230,5 @@ fn axes_are_right_or_in_doubt() {
             }
         }
     }
-    eprintln!("{right} of {all}");
     assert!(3 * right >= 2 * all, "{right} of {all}");
 }

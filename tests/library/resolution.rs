@@ -96,23 +96,19 @@ fn allowed(lines: usize, sigma: f64) -> f64 {
 
 #[test]
 fn waves_keep_their_kappa_at_every_resolution() {
-    let scale = Scale::Sigma(SIGMA as f32);
-    for lines in LINES {
-        let error = wave_error(lines, SIGMA, settings(Some(REFERENCE), scale));
-        let limit = allowed(lines, SIGMA);
-        println!("sigma {SIGMA}, {lines} lines: off by {error:.5} of {limit:.5}");
-        assert!(error < limit, "{lines} lines: {error}, not {limit}");
-    }
-}
-
-#[test]
-fn steps_count_for_time_at_every_resolution() {
     // 180 steps of 0.2 are a time of 36, a sigma of sqrt(72): 45 steps at 270 lines, 720 at 1080.
-    let sigma = 72.0_f64.sqrt();
-    for lines in LINES {
-        let shape = settings(Some(REFERENCE), Scale::Iterations(180));
-        let error = wave_error(lines, sigma, shape);
-        assert!(error < allowed(lines, sigma), "{lines} lines: {error}");
+    for (scale, sigma) in [
+        (Scale::Sigma(SIGMA as f32), SIGMA),
+        (Scale::Iterations(180), 72.0_f64.sqrt()),
+    ] {
+        for lines in LINES {
+            let error = wave_error(lines, sigma, settings(Some(REFERENCE), scale));
+            let limit = allowed(lines, sigma);
+            assert!(
+                error < limit,
+                "{scale:?}, {lines} lines: {error}, not {limit}"
+            );
+        }
     }
 }
 
@@ -193,11 +189,8 @@ fn balls_keep_their_kappa_at_every_resolution() {
             let expected = (f64::from(GAIN) * 2.0 / radius).tanh();
             let pixel = |v: f64| (v * factor(lines)) as usize;
             let found = f64::from(kappa.at(pixel(x), pixel(y)));
-            let case = format!("{lines} lines, ({x}, {y})");
-            assert!(
-                (found - expected).abs() < 2e-4,
-                "{case}: {found}, not {expected}"
-            );
+            let case = format_args!("{lines} lines, ({x}, {y})");
+            near(found, expected, 2e-4, case);
         }
     }
 }
@@ -221,10 +214,7 @@ fn a_crop_counts_the_lines_of_the_whole_picture() {
     let part = Window::at(0, 40, 135, 160);
     let cropped = whole.crop(part);
     // The display needs the inputs of kappa; layers also need directions, from farther away.
-    let plan = |frame| {
-        let available = Available::in_frame(frame);
-        Plan::new(Goal::Display, available, shape, ScalingParams::default()).unwrap()
-    };
+    let plan = |frame| cpu::plan(Goal::Display, frame, shape).unwrap();
     assert_eq!(plan(&cropped).resolution_factor, 0.5);
     let reach = plan(&cropped).reach();
     let gain = Adaptive::Fixed(GAIN);

@@ -85,13 +85,8 @@ fn hessian_is_that_of_the_height() {
         let up = five_point(|t| gradient(at.x, at.y - t)).expect("no edge here");
         let h = exact.hessian;
         let scale = h.xx.abs().max(h.yy.abs()).max(h.xy.abs()).max(1e-3);
-        let pairs = [
-            (across.x, h.xx),
-            (across.y, h.xy),
-            (up.x, h.xy),
-            (up.y, h.yy),
-        ];
-        for (found, expected) in pairs {
+        let found = [across.x, across.y, up.x, up.y];
+        for (found, expected) in found.into_iter().zip([h.xx, h.xy, h.xy, h.yy]) {
             assert_near(found, expected, scale, 1e-6, name);
         }
     });
@@ -167,12 +162,7 @@ fn foreshortened_ball_has_the_trace_in_closed_form() {
     }
     // Printed values: 130/R at n_z = 0.2 and 1010/R at 0.1, for f = 1.
     for (n_z, printed) in [(0.2, 130.0), (0.1, 1010.0)] {
-        assert_near(
-            ball_trace(1.0, n_z, 1.0),
-            -printed,
-            printed,
-            1e-12,
-            "printed",
-        );
+        let trace = ball_trace(1.0, n_z, 1.0);
+        assert_near(trace, -printed, printed, 1e-12, "printed");
     }
 }

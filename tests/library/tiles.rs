@@ -231,7 +231,7 @@ fn a_rolled_tile_gives_rolled_results() {
     for (x, y) in SPOTS {
         let there = straight.at((x + 13) % SIZE[0], (y + 9) % SIZE[1]);
         // The sums of the fit are added in another order.
-        near(rolled.at(x, y) / there, 1.0, 1e-5, format!("{x}, {y}"));
+        near(rolled.at(x, y) / there, 1.0, 1e-5, format_args!("{x}, {y}"));
     }
 }
 
@@ -334,7 +334,7 @@ fn height_is_made_where_it_is_named() {
     let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
     for (x, y) in [(0, 0), (59, 47), (15, 0), (40, 30)] {
         let (found, expected) = (found.at(x, y), (kept * wave(x, y)) as f32);
-        near(found, expected, 1e-4, format!("{x}, {y}"));
+        near(found, expected, 1e-4, format_args!("{x}, {y}"));
     }
     // A crest sees all of its sky, a trough less.
     let [crest, trough] = [15, 45].map(|x| sky.at(x, 0));

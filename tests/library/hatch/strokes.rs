@@ -24,7 +24,7 @@ fn a_constant_tone_is_drawn_as_dark_as_it_is() {
                     white,
                     tone,
                     0.02,
-                    format!("{style:?}, {sets} sets, {angle} degrees"),
+                    format_args!("{style:?}, {sets} sets, {angle} degrees"),
                 );
             }
         }
@@ -115,7 +115,7 @@ fn the_texture_repeats_without_a_seam() {
                     white.at(x, y),
                     farther,
                     0.02,
-                    format!("{style:?} ({x}, {y})"),
+                    format_args!("{style:?} ({x}, {y})"),
                 );
             }
         }
@@ -150,7 +150,12 @@ fn strokes_of_any_size_and_number_keep_their_tone() {
                 |p: &mut StrokeParams| (p.style, p.scale, p.levels) = (style, scale, levels);
             let paper = strokes(change);
             let white = mean(&paper(size, 0.8, 0.6));
-            near(white, 0.6, 0.02, format!("{style:?} {scale:?} {levels}"));
+            near(
+                white,
+                0.6,
+                0.02,
+                format_args!("{style:?} {scale:?} {levels}"),
+            );
         }
         // One stroke is wider than the paper: no meaningful tone, but drawn.
         let paper = strokes(|params| (params.style, params.scale) = (style, Factor(500.0)));

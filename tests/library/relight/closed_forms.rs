@@ -160,7 +160,7 @@ fn a_mirror_ball_is_brighter_where_it_shows_more_than_a_third_of_the_median() {
         let (low, high, e) = (0.25 * (1.0 - intensity), 0.75 * intensity, (-kappa).exp());
         let expected = light * (e * low + high) / (low + e * high);
         let found = f64::from(calm.r.at(x, y));
-        near(found, expected, 0.01 * expected, format!("{x}, {y}"));
+        near(found, expected, 0.01 * expected, format_args!("{x}, {y}"));
         // The sun shows in the few pixels that look at its texel, and changes no other by a grey level.
         let moved = f64::from(sunny.r.at(x, y)) / found - 1.0;
         let is_kept = moved.abs() < 1.0 / 255.0;
@@ -190,7 +190,7 @@ fn a_sphere_lit_by_a_light_shows_what_the_light_does() {
     // Beside the rim the ball turns quickly from pixel to pixel.
     for (x, y) in covered(&frame.mask).filter(|&(x, y)| frame.normal.z.at(x, y) > 0.3) {
         let [by_light, by_sphere] = [&by_light, &by_sphere].map(|color| color.r.at(x, y));
-        near(by_sphere, by_light, 0.02, format!("{x}, {y}"));
+        near(by_sphere, by_light, 0.02, format_args!("{x}, {y}"));
     }
     // Two equal spheres are one.
     asked.light.lit_spheres = vec![sphere.clone(), sphere];

@@ -110,7 +110,7 @@ fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
     for step in 1..=30 {
         drawing = next(&drawing, &frame, &turn, ruled(30.0));
         let ink = mean(&drawing.hatching, |x, y| frame.mask.at(x, y));
-        near(ink, 0.5, 0.02, format!("after {step} steps"));
+        near(ink, 0.5, 0.02, format_args!("after {step} steps"));
         let times = size(&drawing.hatching) / meant;
         assert!((1.0 / 1.5..1.5).contains(&times), "{times}: step {step}");
     }
