@@ -22,6 +22,8 @@ use relievo::frame::{
     Window,
 };
 use relievo::io::Loaded;
+use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::params::{Adaptive, ScalingParams};
 use relievo::scenes::angle_deg;
 use std::fmt::Display;
 
@@ -30,6 +32,20 @@ pub fn default_but<T: Default>(change: impl FnOnce(&mut T)) -> T {
     let mut value = T::default();
     change(&mut value);
     value
+}
+
+/// A white light from an azimuth and an elevation in degrees.
+pub fn lamp(azimuth: f32, elevation: f32) -> Illumination {
+    let lamp = DirectionalLight::white([azimuth, elevation]);
+    default_but(|light: &mut Illumination| light.directional.push(lamp))
+}
+
+/// Scaling with nothing chosen from the frame.
+pub fn given(gain: f32, white: f32) -> ScalingParams {
+    default_but(|scaling: &mut ScalingParams| {
+        (scaling.curvature_gain, scaling.white_level) =
+            (Adaptive::Fixed(gain), Adaptive::Fixed(white));
+    })
 }
 
 /// Columns and rows of all pixels, row after row.

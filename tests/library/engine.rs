@@ -11,13 +11,6 @@ fn waves() -> Frame {
     frame
 }
 
-fn lamp() -> Illumination {
-    Illumination {
-        directional: vec![DirectionalLight::white([135.0, 40.0])],
-        ..Illumination::default()
-    }
-}
-
 /// Of a short diffusion.
 fn usual() -> Params {
     default_but(|params: &mut Params| params.shape.scale = Scale::Iterations(6))
@@ -25,10 +18,7 @@ fn usual() -> Params {
 
 /// Parameters with nothing chosen from the frame.
 fn given() -> Params {
-    let mut params = usual();
-    params.scaling.curvature_gain = Adaptive::Fixed(3.0);
-    params.scaling.white_level = Adaptive::Fixed(1.0);
-    params
+    Params::of(usual().shape, crate::common::given(3.0, 1.0))
 }
 
 fn hatch(tone: Tone, line: LineParams) -> Request<'static> {
@@ -47,7 +37,7 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
         color: None,
         ..frame.clone()
     };
-    let (available, light) = (Available::in_frame(&frame), lamp());
+    let (available, light) = (Available::in_frame(&frame), lamp(135.0, 40.0));
     let planned = |request: Request| request.plan(available).unwrap();
     let relit = planned(Request::relight(usual(), &light));
     let enhanced = planned(Request::enhance(usual()));
@@ -170,7 +160,7 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
 /// all layers runs nowhere else.
 #[test]
 fn a_request_without_its_layers_is_an_error_of_one_line() {
-    let (whole, light, engine) = (with_all_layers(), lamp(), Engine::cpu());
+    let (whole, light, engine) = (with_all_layers(), lamp(135.0, 40.0), Engine::cpu());
     let mut frames = vec![whole.clone()];
     for (first, lose) in LAYERS.iter().enumerate() {
         for lose_more in &LAYERS[first..] {
@@ -233,7 +223,7 @@ fn a_cancelled_run_ends_and_the_next_does_not() {
 /// gives the samples of one that was never cancelled.
 #[test]
 fn wherever_a_run_is_cancelled_its_session_stays_whole() {
-    let (frame, light) = (waves(), lamp());
+    let (frame, light) = (waves(), lamp(135.0, 40.0));
     let drawing = |style| hatch(Tone::Shape(None), styled(style));
     let requests = [
         Request::layers(usual()),

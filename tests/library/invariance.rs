@@ -12,17 +12,10 @@ const CASES: [(Goal, Scale); 4] = [
 ];
 
 fn plan((goal, scale): (Goal, Scale), frame: &Frame) -> Plan {
-    let shape = ShapeParams {
-        scale,
-        foreshortening: 0.5,
-        ..ShapeParams::default()
-    };
+    let shape =
+        default_but(|shape: &mut ShapeParams| (shape.scale, shape.foreshortening) = (scale, 0.5));
     // Fixed, so that a crop is not judged by another gain.
-    let scaling = ScalingParams {
-        curvature_gain: Adaptive::Fixed(20.0),
-        white_level: Adaptive::Fixed(0.6),
-        ..ScalingParams::default()
-    };
+    let scaling = given(20.0, 0.6);
     Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
 }
 

@@ -15,11 +15,7 @@ fn bust() -> Frame {
 }
 
 fn light(azimuth: f32) -> Illumination {
-    let lamp = DirectionalLight {
-        to_light: direction_of(azimuth, 35.0),
-        intensity: [1.0; 3],
-    };
-    default_but(|light: &mut Illumination| light.directional.push(lamp))
+    lamp(azimuth, 35.0)
 }
 
 /// The settings of new light.

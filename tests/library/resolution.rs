@@ -28,10 +28,7 @@ fn settings(reference_height: Option<u32>, scale: Scale) -> ShapeParams {
 }
 
 fn described(frame: &Frame, shape: ShapeParams, gain: Adaptive) -> Outcome {
-    let scaling = ScalingParams {
-        curvature_gain: gain,
-        ..ScalingParams::default()
-    };
+    let scaling = default_but(|scaling: &mut ScalingParams| scaling.curvature_gain = gain);
     let plan = Plan::new(Goal::LAYERS, Available::in_frame(frame), shape, scaling).unwrap();
     cpu::run(&plan, frame).unwrap()
 }

@@ -86,13 +86,6 @@ fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
     [Request::new(layers, params), Request::enhance(params)].map(|request| run(&request, frame))
 }
 
-fn given() -> ScalingParams {
-    default_but(|scaling: &mut ScalingParams| {
-        scaling.curvature_gain = Adaptive::Fixed(3.0);
-        scaling.white_level = Adaptive::Fixed(0.8);
-    })
-}
-
 /// Expects the samples of one outcome in a window of another.
 #[track_caller]
 fn are_cut(parts: &Outcome, wholes: &Outcome, window: Window, what: impl std::fmt::Debug) {
@@ -119,7 +112,7 @@ fn a_tile_is_the_middle_of_its_repetition() {
         let around = Window { x0, y0, x1, y1 };
         let whole = part(around, [false; 2]);
         let middle = Window::at(-x0, -y0, SIZE[0], SIZE[1]);
-        let [tiles, wholes] = [&tile(wraps), &whole].map(|frame| made(frame, given()));
+        let [tiles, wholes] = [&tile(wraps), &whole].map(|frame| made(frame, given(3.0, 0.8)));
         for (tile, whole) in tiles.iter().zip(&wholes) {
             are_cut(tile, whole, middle, wraps);
         }
@@ -129,7 +122,7 @@ fn a_tile_is_the_middle_of_its_repetition() {
     assert_eq!(rows.wraps, [true, false]);
     // It matters: at the border a tile is another than the same pixels alone.
     let [alone, wrapped] = [[false; 2], [true; 2]].map(|wraps| {
-        let [shape, _] = made(&tile(wraps), given());
+        let [shape, _] = made(&tile(wraps), given(3.0, 0.8));
         shape.shape.kappa.unwrap()
     });
     assert!((alone.at(0, 10) - wrapped.at(0, 10)).abs() > 0.01);
@@ -149,7 +142,7 @@ fn a_wave_fades_by_its_eigenvalue_at_every_scale() {
     for sigma in [2.0_f32, 8.0, 30.0, 300.0, 1000.0] {
         let mut shape = at_scale(sigma);
         shape.tolerance = 1e-6;
-        let request = Request::layers(Params::of(shape, given()));
+        let request = Request::layers(Params::of(shape, given(3.0, 0.8)));
         let gradient = run(&request, &frame).shape.gradient.unwrap();
         let left = (-f64::from(sigma * sigma) * (1.0 - k.cos())).exp();
         for (x, y) in [(0, 0), (7, 27), (20, 13), (39, 1)] {
@@ -182,7 +175,7 @@ fn the_sky_is_that_over_an_endless_surface() {
             more_px: &[],
         };
         let shape = default_but(|shape: &mut ShapeParams| shape.occlusion_radius = 100.0);
-        let request = Request::new(goal, Params::of(shape, given()));
+        let request = Request::new(goal, Params::of(shape, given(3.0, 0.8)));
         run(&request, frame).shape.sky.unwrap()
     };
     let waves = |width: usize, height: usize| {
@@ -221,10 +214,7 @@ fn a_rolled_tile_gives_rolled_results() {
         }
     }
     // An albedo that is estimated is that of the tile.
-    let illumination = Illumination {
-        directional: vec![DirectionalLight::white([135.0, 40.0])],
-        ..Illumination::default()
-    };
+    let illumination = lamp(135.0, 40.0);
     let params = default_but(|params: &mut Params| params.relight.albedo = AlbedoSource::Estimate);
     let request = Request::relight(params, &illumination);
     let [straight, rolled] = [straight, moved].map(|frame| run(&request, &frame).color.unwrap().r);

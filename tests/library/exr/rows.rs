@@ -141,20 +141,14 @@ fn rows_are_those_of_the_whole() {
 fn limits_count_for_the_rows_that_are_read() {
     let planes = planes();
     // 23 columns of 71 rows are 1633 pixels; 20 rows are 460.
-    let limits = Limits {
-        max_pixels: 500,
-        ..Limits::default()
-    };
+    let limits = default_but(|limits: &mut Limits| limits.max_pixels = 500);
     let (_directory, file) = saved(&whole(&part(&planes)), &limits);
     let wanted = ids(&file);
     let error = file.read_channels(&wanted).unwrap_err().to_string();
     assert!(error.contains("1633 pixels"), "{error}");
     assert!(file.read_rows(&wanted, 40..62).is_err());
     assert_eq!(file.read_rows(&wanted, 40..60).unwrap()[0].height(), 20);
-    let few_bytes = Limits {
-        max_bytes: 1000,
-        ..Limits::default()
-    };
+    let few_bytes = default_but(|limits: &mut Limits| limits.max_bytes = 1000);
     let (_directory, file) = saved(&whole(&part(&planes)), &few_bytes);
     assert!(file.read_channels(&wanted).is_err());
 }

@@ -12,12 +12,9 @@ use std::fmt::Display;
 
 /// The needs of a frame whose strokes move with the surface.
 fn moving() -> Needs {
-    Needs {
-        color: true,
-        projection: true,
-        motion: true,
-        ..Needs::default()
-    }
+    default_but(|needs: &mut Needs| {
+        (needs.color, needs.projection, needs.motion) = (true, true, true);
+    })
 }
 
 /// A frame of cards that face the viewer, of one tone, at the distances `depth(x, y)`.

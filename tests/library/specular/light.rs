@@ -16,10 +16,7 @@ fn around(scene: &Scene, height: usize) -> SpecularScene {
     map.color = Some(colors([map.width(), map.height()], |k, x, y| {
         paint(world.transform_vector3(map.point_at(x, y)))[k]
     }));
-    SpecularScene {
-        surroundings: Some(Arc::new(map)),
-        ..SpecularScene::default()
-    }
+    within(map)
 }
 
 /// Parameters, changed so, of a material lit by nothing but what it shows.

@@ -18,6 +18,11 @@ fn middle(x: usize, y: usize) -> DVec2 {
     DVec2::new(x as f64, y as f64) + 0.5
 }
 
+/// A scene of surroundings alone.
+fn within(surroundings: Surroundings) -> SpecularScene {
+    default_but(|scene: &mut SpecularScene| scene.surroundings = Some(Arc::new(surroundings)))
+}
+
 /// The default search.
 fn traced(bend: Bend) -> SpecularParams {
     SpecularParams {

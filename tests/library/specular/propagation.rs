@@ -61,10 +61,7 @@ fn errors(scene: &Scene, beyond: SpecularScene) -> Errors {
 }
 
 fn around(scene: &Scene) -> SpecularScene {
-    SpecularScene {
-        surroundings: Some(Arc::new(scene.surroundings(256))),
-        ..SpecularScene::default()
-    }
+    within(scene.surroundings(256))
 }
 
 #[test]

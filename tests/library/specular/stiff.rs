@@ -14,14 +14,10 @@ fn both() -> LineParams {
 }
 
 fn drawn(frame: &Frame, scene: &SpecularScene, params: LineParams, bend: Bend) -> Drawing {
-    let light = Illumination {
-        directional: vec![DirectionalLight::white([0.0, 90.0])],
-        ..Illumination::default()
-    };
+    let light = lamp(0.0, 90.0);
     let inputs = PlanInputs {
-        illumination: Some(&light),
         specular: Some(scene),
-        ..PlanInputs::default()
+        ..PlanInputs::lit_by(&light)
     };
     let plan = drawing(frame, params, bend);
     cpu::execute(&plan, frame, inputs).unwrap().drawing.unwrap()
@@ -31,8 +27,7 @@ fn glass() -> SpecularScene {
     SpecularScene {
         back: Some(GLASS.back()),
         behind: Some(GLASS.behind()),
-        surroundings: Some(Arc::new(GLASS.surroundings(32))),
-        ..SpecularScene::default()
+        ..within(GLASS.surroundings(32))
     }
 }
 
@@ -41,23 +36,17 @@ fn every_scene_gives_a_drawing() {
     let frame = GLASS.frame();
     let mut void = GLASS.surroundings(16);
     void.points = Vector3Planes::from_fn(void.width(), void.height(), |_, _| DVec3::ZERO);
-    let void = SpecularScene {
-        surroundings: Some(Arc::new(void)),
-        ..SpecularScene::default()
-    };
+    let void = within(void);
     let empty = SpecularScene {
         mask: Some(Mask::new(Plane::filled(64, 64, false))),
         ..glass()
     };
     let mut nowhere = GLASS.behind();
     nowhere.mask = Mask::new(Plane::filled(64, 64, false));
-    let nowhere = SpecularScene {
-        behind: Some(nowhere),
-        ..SpecularScene::default()
-    };
-    let given = |value: DVec3| SpecularScene {
-        hit_position: Some(Vector3Planes::from_fn(64, 64, |_, _| value)),
-        ..SpecularScene::default()
+    let nowhere = default_but(|scene: &mut SpecularScene| scene.behind = Some(nowhere));
+    let given = |value: DVec3| {
+        let hits = Vector3Planes::from_fn(64, 64, |_, _| value);
+        default_but(|scene: &mut SpecularScene| scene.hit_position = Some(hits))
     };
     let scenes = [
         ("glass", glass(), REFRACTED),
