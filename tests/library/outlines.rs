@@ -5,42 +5,17 @@ use crate::common::files::load;
 use crate::common::program::fixture;
 use crate::prelude::*;
 
-/// Normals and depth in view space.
-struct Scene {
-    normal: Vector3Planes,
-    mask: Mask,
-    depth: Plane,
-}
-
 /// A ball of 30 pixels before a wall, without perspective.
-fn ball() -> Scene {
-    let height = |x: usize, y: usize| {
-        let (dx, dy) = (x as f64 - 47.5, 39.5 - y as f64);
-        (900.0 - dx * dx - dy * dy, dx, dy)
-    };
-    let normal = Vector3Planes::from_fn(96, 80, |x, y| match height(x, y) {
-        (square, dx, dy) if square > 0.0 => DVec3::new(dx, dy, square.sqrt()) / 30.0,
-        _ => DVec3::Z,
-    });
-    let depth = Plane::from_fn(96, 80, |x, y| {
-        let (square, ..) = height(x, y);
-        100.0 - square.max(0.0).sqrt() as f32 - if square > 0.0 { 60.0 } else { 0.0 }
-    });
-    Scene {
-        normal,
-        mask: Mask::full(96, 80),
-        depth,
-    }
+fn ball() -> Frame {
+    let mut scene = ExactScene::orthographic(Surface::ball(30.0), 48.0, 40.0);
+    let wall = Surface::plane(DVec3::Z).moved(DVec3::new(0.0, 0.0, -60.0));
+    scene.surfaces.push(wall);
+    scene.at_distance(40.0).frame(96, 80)
 }
 
 /// The bust of the fixtures.
-fn bust() -> Scene {
-    let frame = load(fixture("bust.exr"), |_, _| ()).frame;
-    Scene {
-        normal: frame.normal,
-        mask: frame.mask,
-        depth: frame.depth.unwrap(),
-    }
+fn bust() -> Frame {
+    load(fixture("bust.exr"), |_, _| ()).frame
 }
 
 fn axes(flip: Flip) -> DVec3 {
@@ -54,13 +29,14 @@ fn reversed(normal: &Vector3Planes, flip: Flip) -> Vector3Planes {
 }
 
 /// The scene as read with these axes reversed, and with depth as greys of no name, white far or near, or without depth.
-fn read(scene: &Scene, flip: Flip, depth: Option<StoredDepth>) -> Loaded {
+fn read(scene: &Frame, flip: Flip, depth: Option<StoredDepth>) -> Loaded {
     let (mask, normal) = (&scene.mask, reversed(&scene.normal, flip));
-    let seen = || covered(mask).map(|(x, y)| scene.depth.at(x, y));
+    let distances = scene.depth.as_ref().unwrap();
+    let seen = || covered(mask).map(|(x, y)| distances.at(x, y));
     let (near, far) = (seen().fold(f32::MAX, f32::min), seen().fold(0.0, f32::max));
     let grey = Plane::from_fn(mask.width(), mask.height(), |x, y| {
         let share = match mask.at(x, y) {
-            true => (scene.depth.at(x, y) - near) / (far - near),
+            true => (distances.at(x, y) - near) / (far - near),
             false => 1.0,
         };
         match depth {
@@ -189,7 +165,7 @@ fn worse(plane: &Plane, side: usize, noise: u64) -> Plane {
 /// Eight conventions in three forms, with depth and without, clean, noisy and at half the resolution: small, so that rims are few.
 #[test]
 fn axes_are_right_or_in_doubt() {
-    let mut scene = bust();
+    let scene = bust();
     let mask = scene.mask.clone();
     // A wall behind it: nothing tells where the bust ends but its rims.
     let before = |plane: &Plane, behind: f32| {
@@ -198,8 +174,9 @@ fn axes_are_right_or_in_doubt() {
             false => behind,
         })
     };
-    let far = scene.depth.samples().iter().copied().fold(0.0, f32::max);
-    scene.depth = before(&scene.depth, 2.0 * far);
+    let depth = scene.depth.as_ref().unwrap();
+    let far = depth.samples().iter().copied().fold(0.0, f32::max);
+    let distances = before(depth, 2.0 * far);
     let n = &scene.normal;
     let truth = [(&n.x, 0.0), (&n.y, 0.3), (&n.z, 0.954)];
     let truth = truth.map(|(plane, behind)| before(plane, behind));
@@ -207,7 +184,7 @@ fn axes_are_right_or_in_doubt() {
     for (side, noise) in [(2, 0), (2, 7), (4, 0)] {
         let [x, y, z] = [0, 1, 2].map(|i| worse(&truth[i], side, (i as u64 + 1) * noise));
         let planes = Vector3Planes { x, y, z };
-        let depth = worse(&scene.depth, side, 0);
+        let depth = worse(&distances, side, 0);
         for [x, y, z] in (0..8).map(|bits| [1, 2, 4].map(|axis| bits & axis > 0)) {
             let flip = Flip { x, y, z };
             let map = reversed(&planes, flip);

@@ -371,19 +371,9 @@ fn normals_without_direction_and_colours_that_are_no_numbers_are_replaced() {
 
 #[test]
 fn depth_that_is_no_distance_is_left_out_and_no_other() {
-    let none = [
-        NAN,
-        INF,
-        -INF,
-        1e10,
-        1e30,
-        f32::MAX,
-        65504.0,
-        0.0,
-        -0.0,
-        -5.0,
-    ]
-    .map(|z| (z, false));
+    let none = [NAN, INF, -INF, 1e10, 1e30, f32::MAX, 65504.0, 0.0];
+    let none = [&none[..], &[-0.0, -5.0]].concat();
+    let none: Vec<_> = none.into_iter().map(|z| (z, false)).collect();
     let some = [1e-6, 1e-3, 1.0, 1e3, 1e6].map(|z| (z, true));
     let cases = [&none[..], &some].concat();
     // Three columns wide: single samples that are missing are filled.

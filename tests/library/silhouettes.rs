@@ -37,24 +37,17 @@ fn parallel(scale: f64) -> Projection {
 }
 
 /// A ball of radius 60 at the middle, at `distance`, before a wall 40 behind it: in pixels at the ball.
-fn ball(projection: Projection, distance: f64) -> Frame {
-    frame(Some(projection), |x, y| {
-        let eye = projection.to_eye(x, y);
-        let (start, line) = match projection {
-            Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(-eye.x, -eye.y, -1.0)),
-            Projection::Orthographic { .. } => {
-                (DVec3::new(x - CENTER, CENTER - y, 0.0), DVec3::NEG_Z)
-            }
-        };
-        let to = start - DVec3::new(0.0, 0.0, -distance);
-        let (a, b) = (line.length_squared(), to.dot(line));
-        let root = b * b - a * (to.length_squared() - 3600.0);
-        if root < 0.0 {
-            return (DVec3::Z, distance + 100.0);
-        }
-        let along = (-b - root.sqrt()) / a;
-        ((to + along * line) / 60.0, along)
-    })
+fn ball(in_perspective: bool, distance: f64) -> Frame {
+    let mut scene = ExactScene::orthographic(Surface::ball(60.0), CENTER, CENTER);
+    let wall = Surface::plane(DVec3::Z).moved(DVec3::new(0.0, 0.0, -100.0));
+    scene.surfaces.push(wall);
+    scene = scene.at_distance(distance);
+    let scene = if in_perspective {
+        scene.in_perspective()
+    } else {
+        scene
+    };
+    scene.frame(SIDE, SIDE)
 }
 
 #[test]
@@ -87,8 +80,8 @@ fn a_floor_has_none_however_grazing_and_bumpy() {
 #[test]
 fn a_ball_before_a_wall_has_its_outline_at_any_distance_in_one_pixel() {
     for distance in [300.0, 1000.0, 5000.0, 30_000.0] {
-        for projection in [perspective(distance), parallel(1.0)] {
-            let frame = ball(projection, distance);
+        for in_perspective in [true, false] {
+            let frame = ball(in_perspective, distance);
             let depth = frame.depth.as_ref().unwrap();
             let is_wall = |x: usize, y: usize| f64::from(depth.at(x, y)) > distance + 99.0;
             let [weights, conductance] = silhouettes(&frame);
@@ -99,20 +92,26 @@ fn a_ball_before_a_wall_has_its_outline_at_any_distance_in_one_pixel() {
                 let is_front = differs && !is_wall(x, y);
                 let is_drawn = !is_front || weights.at(x, y) == 1.0;
                 let is_cut = !differs || conductance.at(x, y) == 0.0;
-                assert!(is_drawn && is_cut, "{projection:?} at {x}, {y}");
+                assert!(
+                    is_drawn && is_cut,
+                    "{distance}, {in_perspective} at {x}, {y}"
+                );
                 outline += usize::from(is_front);
                 drawn += usize::from(weights.at(x, y) > 0.0);
             }
             let is_whole = outline > 300 && drawn == outline;
-            assert!(is_whole, "{projection:?}: {drawn} of {outline}");
+            assert!(
+                is_whole,
+                "{distance}, {in_perspective}: {drawn} of {outline}"
+            );
         }
     }
 }
 
 #[test]
 fn mirrored_and_transposed_frames_have_the_same_to_the_bit() {
-    let at = |projection: Projection, swap: bool, sign: f64| {
-        let own = ball(projection, 300.0);
+    let at = |in_perspective: bool, swap: bool, sign: f64| {
+        let own = ball(in_perspective, 300.0);
         let (normal, depth) = (own.normal.clone(), own.depth.clone().unwrap());
         frame(own.camera.map(|camera| camera.projection), move |x, y| {
             let x = if sign < 0.0 { SIDE as f64 - x } else { x };
@@ -126,8 +125,8 @@ fn mirrored_and_transposed_frames_have_the_same_to_the_bit() {
             (DVec3::new(sign * nx, ny, nz), depth)
         })
     };
-    for projection in [perspective(300.0), parallel(1.0)] {
-        let of = |swap, sign| silhouettes(&at(projection, swap, sign));
+    for in_perspective in [true, false] {
+        let of = |swap, sign| silhouettes(&at(in_perspective, swap, sign));
         let own = of(false, 1.0);
         let mut weights = own[0].samples().iter();
         assert!(weights.any(|&weight| weight > 0.0 && weight < 1.0));

@@ -194,15 +194,17 @@ fn panoramas_are_refused() {
 #[test]
 fn a_ball_before_a_wall_tells_parallel_lines_of_sight_from_perspective() {
     let display = Window::from_size(96, 96);
-    // A unit ball of 30 pixels, its middle 3 units from the picture plane, and the wall 4.
-    let ball = |x: usize, y: usize| {
-        let (x, y) = ((x as f64 - 47.5) / 30.0, (47.5 - y as f64) / 30.0);
-        let square = 1.0 - x * x - y * y;
-        (square > 0.0).then(|| DVec3::new(x, y, square.sqrt()))
-    };
-    let normal = Vector3Planes::from_fn(96, 96, |x, y| ball(x, y).unwrap_or(DVec3::Z));
-    let depth = Plane::from_fn(96, 96, |x, y| ball(x, y).map_or(4.0, |n| 3.0 - n.z as f32));
-    let mask = Mask::full(96, 96);
+    // A ball of 30 pixels, its middle 90 from the picture plane, and the wall 120.
+    let mut scene = ExactScene::orthographic(Surface::ball(30.0), 48.0, 48.0);
+    let wall = Surface::plane(DVec3::Z).moved(DVec3::new(0.0, 0.0, -30.0));
+    scene.surfaces.push(wall);
+    let Frame {
+        normal,
+        depth,
+        mask,
+        ..
+    } = scene.at_distance(90.0).frame(96, 96);
+    let depth = depth.unwrap().map(|depth| depth / 30.0);
     let found = recover_camera_from_depth(&normal, &depth, &mask, display, display, 1.0).unwrap();
     let Projection::Orthographic { sx, .. } = found.camera.projection else {
         panic!("{found:?}");

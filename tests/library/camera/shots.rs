@@ -126,10 +126,8 @@ fn middle(window: Window) -> DVec2 {
 impl Shot {
     /// Makes the picture this large.
     pub(crate) fn of_size(&mut self, width: usize, height: usize) {
-        (self.data, self.display) = (
-            Window::from_size(width, height),
-            Window::from_size(width, height),
-        );
+        self.display = Window::from_size(width, height);
+        self.data = self.display;
     }
 
     /// The scene in parallel sight lines, 60 pixel widths per unit.
@@ -145,16 +143,7 @@ impl Shot {
     fn seen_at(&self, x: usize, y: usize, off: DVec2) -> Option<Seen> {
         let corner = DVec2::new(self.data.x0.into(), self.data.y0.into());
         let at = corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5) + off;
-        let (from, along) = match self.camera.projection {
-            Projection::Perspective { fx, fy, cx, cy } => (
-                DVec3::ZERO,
-                DVec3::new((at.x - cx) / fx, (cy - at.y) / fy, -1.0),
-            ),
-            Projection::Orthographic { sx, sy, cx, cy } => (
-                DVec3::new((at.x - cx) / sx, (cy - at.y) / sy, 0.0),
-                DVec3::NEG_Z,
-            ),
-        };
+        let (from, along) = SightLines::new(self.camera.projection).line(at.x, at.y);
         let world = self.camera.view_from_world.inverse();
         let direction = world.transform_vector3(along);
         self.scene.seen(world.transform_point3(from), direction)
