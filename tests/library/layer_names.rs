@@ -24,9 +24,8 @@ impl Scene {
         let exact = exact.in_perspective();
         let plane = |value: &dyn Fn(&Exact) -> f64, nothing: f32| {
             let of = |seen: Exact| value(&seen) as f32;
-            Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
-                exact.exact(x, y).map_or(nothing, of)
-            })
+            let at = |x, y| exact.exact(x, y).map_or(nothing, of);
+            Plane::from_fn(SIZE[0], SIZE[1], at)
         };
         Self {
             normal: [0, 1, 2].map(|axis| plane(&|seen| seen.normal[axis], 0.0)),
@@ -38,32 +37,32 @@ impl Scene {
 
     /// The parts of a file whose layers have these names: of normals, depth, positions.
     fn parts(&self, names: &[String; 3], in_parts: bool) -> Vec<Part> {
-        let [normal, depth, position] = names;
-        let channels = |name: &str, components: &[&str], planes: &[Plane]| {
-            let channels = components.iter().zip(planes);
-            let name = |component: &str| match in_parts {
-                true => component.to_string(),
-                false => format!("{name}.{component}"),
-            };
-            let named = channels.map(|(component, plane)| (name(component), plane.clone()));
-            named.collect::<Vec<_>>()
-        };
         let grey = Plane::filled(SIZE[0], SIZE[1], 0.5);
-        let picture = ["R", "G", "B"].map(|name| (name.to_string(), grey.clone()));
-        let layers = [
-            channels(normal, &["X", "Y", "Z"], &self.normal),
-            channels(depth, &["V"], std::slice::from_ref(&self.depth)),
-            channels(position, &["X", "Y", "Z"], &self.position),
-        ];
-        let part = |channels: &[(String, Plane)]| Part::of(channels.iter().map(|(n, p)| (n, p)));
-        if !in_parts {
-            let all = picture.into_iter().chain(layers.into_iter().flatten());
-            return vec![part(&all.collect::<Vec<_>>())];
+        let mut parts = vec![Part::of(["R", "G", "B"].map(|name| (name, &grey)))];
+        let depth = std::slice::from_ref(&self.depth);
+        for (name, planes) in names.iter().zip([&self.normal[..], depth, &self.position]) {
+            if in_parts {
+                let window = parts[0].window;
+                parts.push(Part::new(window).named(name));
+            }
+            let components = if planes.len() == 1 {
+                &["V"][..]
+            } else {
+                &["X", "Y", "Z"]
+            };
+            let part = parts.last_mut().unwrap();
+            for (component, plane) in components.iter().zip(planes) {
+                let layer = if in_parts {
+                    String::new()
+                } else {
+                    format!("{name}.")
+                };
+                let channel = (format!("{layer}{component}"), Stored::Float, plane.clone());
+                part.channels.push(channel);
+            }
         }
-        let of_layers = layers.iter().zip(names);
-        let of_layers = of_layers.map(|(channels, name)| part(channels).named(name));
-        let main = std::iter::once(part(&picture).named("main"));
-        main.chain(of_layers).collect()
+        parts[0].name = in_parts.then(|| "main".into());
+        parts
     }
 
     /// The largest angle, in degrees, that normals away from the rim are off.
@@ -73,7 +72,7 @@ impl Scene {
             let found = loaded.frame.normal.at(x, y);
             Some(found.angle_between(seen.normal).to_degrees())
         });
-        off.fold(0.0, f64::max)
+        largest(off)
     }
 }
 

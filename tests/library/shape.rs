@@ -182,10 +182,9 @@ fn creases_are_where_faces_meet() {
 
 /// The same, solved so.
 fn solved(solver: Solver, iterations: u32) -> ShapeParams {
-    ShapeParams {
-        solver,
-        ..diffusing(iterations)
-    }
+    let mut shape = diffusing(iterations);
+    shape.solver = solver;
+    shape
 }
 
 /// A frame without depth whose normals are those of the slopes `gradient(x, y)` and whose occlusion

@@ -178,8 +178,8 @@ fn the_surface_fallback_is_upright_and_across() {
 fn singular_squares(field: &Vector2Planes, frame: &Frame) -> usize {
     let depth = frame.depth.as_ref().unwrap();
     let is_one_surface = |square: [(usize, usize); 4]| {
-        let depths = square.map(|(x, y)| depth.at(x, y));
-        let [near, far] = [f32::min, f32::max].map(|of| depths.into_iter().reduce(of).unwrap());
+        let depths = square.map(|(x, y)| depth.at(x, y)).into_iter();
+        let [near, far] = [f32::min, f32::max].map(|of| depths.clone().reduce(of).unwrap());
         let covered = square.iter().all(|&(x, y)| frame.mask.at(x, y));
         let [a, b, c, d] = square.map(|(x, y)| frame.normal.at(x, y));
         covered && near > 0.98 * far && a.dot(c) > 0.9 && b.dot(d) > 0.9

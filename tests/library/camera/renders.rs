@@ -20,6 +20,8 @@ pub(crate) struct Render {
     file: ExrFile,
 }
 
+type Recovered<T> = Result<T, RecoveryFailure>;
+
 /// The renders that are not panoramas.
 pub(crate) fn pictures() -> impl Iterator<Item = Render> {
     renders(|path| !is_panorama(path))
@@ -97,11 +99,7 @@ impl Render {
         name.to_string_lossy().into_owned()
     }
 
-    fn recovered(
-        &self,
-        position: &Vector3Planes,
-        mask: &Mask,
-    ) -> Result<RecoveredCamera, RecoveryFailure> {
+    fn recovered(&self, position: &Vector3Planes, mask: &Mask) -> Recovered<RecoveredCamera> {
         let (display, aspect) = (self.file.display_window, self.file.pixel_aspect);
         recover_camera(position, mask, self.data_window(), display, aspect)
     }
@@ -111,7 +109,7 @@ impl Render {
         normal: &Vector3Planes,
         depth: &Plane,
         mask: &Mask,
-    ) -> Result<DepthCamera, RecoveryFailure> {
+    ) -> Recovered<DepthCamera> {
         let (display, aspect) = (self.file.display_window, self.file.pixel_aspect);
         recover_camera_from_depth(normal, depth, mask, self.data_window(), display, aspect)
     }
