@@ -105,7 +105,9 @@ impl File {
         assert_eq!(found.depth_kind, Some(expected.depth), "{renderer}");
         let mask = truth.mask_errors(&loaded.frame);
         assert_eq!(mask, 0, "{renderer}: pixels of the mask");
+        // For the table in docs/guide/files.md.
         let off = truth.worst_angle_deg(&loaded.frame);
+        println!("{renderer}: {off:.5}");
         assert!(off <= expected.worst_deg, "{renderer}: {off} degrees");
         assert!(loaded.camera_is_placed || !expected.is_placed, "{renderer}");
         let along_ray = match loaded.frame.source.depth_kind {

@@ -13,30 +13,20 @@ mod sums;
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
 use crate::prelude::*;
 
-/// White, with gains of 1 and no ambient light: a formula gives the picture.
-fn white(material: Material) -> MaterialParams {
-    MaterialParams {
-        material,
-        ambient: 0.0,
-        diffuse_gain: 1.0,
-        specular_gain: Some(1.0),
-        ..MaterialParams::default()
-    }
-}
-
 impl Asked {
     /// Light of 1 from 30 degrees above the upper left, on white.
     fn of(material: Material, method: Method) -> Self {
         Self {
             shape: default_but(|shape: &mut ShapeParams| shape.scale = Scale::Iterations(4)),
             scaling: default_but(|s: &mut ScalingParams| s.curvature_gain = Adaptive::Fixed(12.0)),
-            relight: RelightParams {
-                method,
-                albedo: AlbedoSource::White,
-                environment_gain: Adaptive::Fixed(1.0),
-                material: white(material),
-                ..RelightParams::default()
-            },
+            // With gains of 1 and no ambient light a formula gives the picture.
+            relight: default_but(|relight: &mut RelightParams| {
+                (relight.method, relight.albedo) = (method, AlbedoSource::White);
+                relight.environment_gain = Adaptive::Fixed(1.0);
+                let own = &mut relight.material;
+                (own.material, own.ambient) = (material, 0.0);
+                (own.diffuse_gain, own.specular_gain) = (1.0, Some(1.0));
+            }),
             light: lights(&[Vec3::new(-0.6, 0.6, 0.53)]),
         }
     }
