@@ -1,7 +1,7 @@
 //! Frames without normals: those of depth, positions, or heights take their place.
 
 use crate::common::exr::Part;
-use crate::common::files::{load, try_load};
+use crate::common::files::{load, try_load, try_read};
 use crate::prelude::*;
 use std::path::Path;
 
@@ -18,10 +18,7 @@ fn read(
     camera: Option<Camera>,
     change: impl Fn(&mut Inputs),
 ) -> relievo::Result<Loaded> {
-    let desk = tempfile::tempdir().unwrap();
-    let path = desk.path().join("in.exr");
-    Part::of(channels.iter().copied()).write(&path);
-    try_load(path, |inputs, _| {
+    try_read(Part::of(channels.iter().copied()), |inputs, _| {
         inputs.known_camera = camera.map(known);
         change(inputs);
     })

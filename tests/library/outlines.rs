@@ -1,7 +1,7 @@
 //! Axes of normals and the sense of depth by outlines, where slopes leave two readings open.
 
 use crate::common::exr::Part;
-use crate::common::files::load;
+use crate::common::files::{self, load};
 use crate::common::program::fixture;
 use crate::prelude::*;
 
@@ -44,11 +44,9 @@ fn read(scene: &Frame, flip: Flip, depth: Option<StoredDepth>) -> Loaded {
             _ => share,
         }
     });
-    let desk = tempfile::tempdir().unwrap();
-    let path = desk.path().join("scene.exr");
     let Vector3Planes { x, y, z } = &normal;
-    Part::of([("N.X", x), ("N.Y", y), ("N.Z", z), ("grey.V", &grey)]).write(&path);
-    load(path, |inputs, _| {
+    let part = Part::of([("N.X", x), ("N.Y", y), ("N.Z", z), ("grey.V", &grey)]);
+    files::read(part, |inputs, _| {
         inputs.depth = Some(depth.map_or(Inputs::NONE, |_| "grey").into());
     })
 }

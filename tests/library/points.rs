@@ -1,11 +1,11 @@
 //! Surface points from any layers that give them: positions, or depth of any kind.
 
 use crate::common::exr::{Part, Stored};
-use crate::common::files::load;
+use crate::common::files::{load, read};
 use crate::common::program::fixture;
 use crate::prelude::*;
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 
 const SIDE: usize = 280;
 
@@ -20,22 +20,15 @@ fn scene() -> ExactScene {
     }
 }
 
-/// A file with the normals of the scene in view space and the planes given.
-fn write(path: &Path, frame: &Frame, planes: &[(&str, &Plane, Stored)]) {
+/// The frame from a file with the normals of the scene in view space and the planes given.
+fn read_with(frame: &Frame, planes: &[(&str, &Plane, Stored)], camera: Option<PathBuf>) -> Frame {
     let n = &frame.normal;
-    let normals = [("N.X", &n.x), ("N.Y", &n.y), ("N.Z", &n.z)];
-    let normals = normals.map(|(name, plane)| (name, plane, Stored::Float));
-    let mut part = Part::new(frame.data_window);
-    for &(name, plane, stored) in normals.iter().chain(planes) {
+    let mut part = Part::of([("N.X", &n.x), ("N.Y", &n.y), ("N.Z", &n.z)]);
+    for &(name, plane, stored) in planes {
         part = part.channel(name, stored, plane);
     }
-    part.write(path);
-}
-
-fn frame_of(path: &Path, camera: Option<&Path>) -> Frame {
-    let loaded = load(path, |inputs, needs| {
-        inputs.camera = camera.map(Path::to_path_buf);
-        inputs.normal_space = Some(NormalSpace::View);
+    let loaded = read(part, |inputs, needs| {
+        (inputs.camera, inputs.normal_space) = (camera, Some(NormalSpace::View));
         needs.projection = true;
     });
     loaded.frame
@@ -64,7 +57,7 @@ fn compared(frame: &Frame, truth: &Frame) -> (f64, Points) {
 
 #[test]
 fn positions_stand_in_for_depth() {
-    let (scene, desk) = (scene(), tempfile::tempdir().unwrap());
+    let scene = scene();
     let frame = scene.frame(SIDE, SIDE);
     // The scene in units of 110 px, looked at from aside, at the origin and far from it: there f32
     // counts in steps of 6e-5, 7e-3 px.
@@ -74,11 +67,9 @@ fn positions_stand_in_for_depth() {
         let seen = |e: Exact| world.transform_point3(e.point / 110.0);
         let at = |x, y| scene.exact(x, y).map_or(DVec3::ZERO, seen);
         let Vector3Planes { x, y, z } = Vector3Planes::from_fn(SIDE, SIDE, at);
-        let path = desk.path().join("p.exr");
         let position = [("P.X", &x), ("P.Y", &y), ("P.Z", &z)];
         let position = position.map(|(name, plane)| (name, plane, Stored::Float));
-        write(&path, &frame, &position);
-        let loaded = frame_of(&path, None);
+        let loaded = read_with(&frame, &position, None);
         assert_eq!(loaded.source.depth_kind, DepthKind::Planar);
         assert_eq!(loaded.mask, frame.mask);
         let [depth, truth] = [&loaded, &frame].map(|frame| frame.depth.as_ref().unwrap());
@@ -110,9 +101,7 @@ fn what_depth_measures_is_told_by_the_normals() {
     for (name, depth, stored, kind) in cases {
         let seen = |x, y| scene.exact(x, y).as_ref().map_or(0.0, depth) as f32;
         let depth = Plane::from_fn(SIDE, SIDE, seen);
-        let path = desk.path().join("z.exr");
-        write(&path, &frame, &[("Z", &depth, stored)]);
-        let loaded = frame_of(&path, Some(&camera));
+        let loaded = read_with(&frame, &[("Z", &depth, stored)], Some(camera.clone()));
         assert_eq!(loaded.source.depth_kind, kind, "{name}");
         let (p95, points) = compared(&loaded, &frame);
         let is_relative = kind == DepthKind::Relative;
@@ -124,11 +113,8 @@ fn what_depth_measures_is_told_by_the_normals() {
 
 #[test]
 fn coarse_storage_of_normals_is_known() {
-    let desk = tempfile::tempdir().unwrap();
     let frame = scene().frame(SIDE, SIDE);
-    let path = desk.path().join("n.exr");
-    write(&path, &frame, &[]);
-    assert_eq!(frame_of(&path, None).source.normal_rounding, 0.0);
+    assert_eq!(read_with(&frame, &[], None).source.normal_rounding, 0.0);
     let steps = |rounding| ShapeParams::default().direction_steps_px(rounding);
     assert_eq!(steps(0.0), [1, 1]);
     let tablet = load(fixture("tablet.color.jpg"), |inputs, _| {

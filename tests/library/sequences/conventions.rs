@@ -1,7 +1,7 @@
 //! Motion as renderers write it: the sign, the unit and the pair of channels are found from two frames.
 
 use crate::common::exr::Part;
-use crate::common::files::load;
+use crate::common::files::read;
 use crate::prelude::*;
 use relievo::io::motion::{FrameBefore, MotionLayers, MotionVerdict};
 
@@ -58,16 +58,14 @@ fn judged_between(
     come: Of,
     (names, stored): Channels,
 ) -> Option<(MotionLayers, MotionVerdict)> {
-    let desk = tempfile::tempdir().unwrap();
-    let write = |name: &str, planes: &[(String, Plane)]| {
-        let path = desk.path().join(name);
-        Part::of(planes.iter().map(|(name, plane)| (name, plane))).write(&path);
-        load(path, |inputs, needs| {
+    let seen = |planes: &[(String, Plane)]| {
+        let part = Part::of(planes.iter().map(|(name, plane)| (name, plane)));
+        read(part, |inputs, needs| {
             inputs.normal_space = Some(NormalSpace::View);
             (needs.color_if_any, needs.motion) = (true, true);
         })
     };
-    let before = write("1.exr", &frame(at[0]));
+    let before = seen(&frame(at[0]));
     let mut planes = frame(at[1]);
     for (i, name) in names.split_whitespace().enumerate() {
         let plane = Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
@@ -76,7 +74,7 @@ fn judged_between(
         });
         planes.push((name.to_string(), plane));
     }
-    let now = write("2.exr", &planes);
+    let now = seen(&planes);
     let layers = now.motion?;
     let verdict = layers.judge(&now.frame, &FrameBefore::of(&before.frame), 1, None);
     Some((layers, verdict))
