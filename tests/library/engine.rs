@@ -195,30 +195,6 @@ fn a_request_without_its_layers_is_an_error_of_one_line() {
     }
 }
 
-#[test]
-fn a_cancelled_run_ends_and_the_next_does_not() {
-    let (frame, engine) = (waves(), Engine::cpu());
-    let request = Request::enhance(usual());
-    let token = CancelToken::new();
-    // In the middle: as soon as diffusion begins.
-    let tell = |at: Progress| {
-        if at.stage == "diffusion" {
-            token.cancel();
-        }
-    };
-    let run = Run::new().progress(&tell).cancel(&token);
-    let error = engine.run(&request, &frame, &run).unwrap_err();
-    assert!(matches!(error, Error::Cancelled));
-    engine.run(&request, &frame, &Run::new()).unwrap();
-    // A session too is whole afterwards.
-    let mut session = Session::new(engine, frame.clone());
-    assert!(session.run(&request, &run).is_err());
-    let after = session.run(&request, &Run::new()).unwrap();
-    let anew = Engine::cpu().run(&request, &frame, &Run::new()).unwrap();
-    let red = |color: &Option<ColorPlanes>| bits(&color.as_ref().unwrap().r);
-    assert_eq!(red(&after.color), red(&anew.color));
-}
-
 /// A run of each kind is cancelled as each of its passes begins. Afterwards the same session, with its cached products,
 /// gives the samples of one that was never cancelled.
 #[test]
@@ -227,6 +203,7 @@ fn wherever_a_run_is_cancelled_its_session_stays_whole() {
     let drawing = |style| hatch(Tone::Shape(None), styled(style));
     let requests = [
         Request::layers(usual()),
+        Request::enhance(usual()),
         Request::relight(usual(), &light),
         drawing(Style::Pen),
         drawing(Style::Lines),
@@ -237,6 +214,11 @@ fn wherever_a_run_is_cancelled_its_session_stays_whole() {
         let expected = anew.run(request, &Run::new()).unwrap();
         let passes: Vec<_> = expected.timings.iter().map(|(pass, _)| *pass).collect();
         assert!(passes.len() > 3, "{passes:?}");
+        let (engine, token) = (Engine::cpu(), CancelToken::new());
+        token.cancel();
+        let stopped = engine.run(request, &frame, &Run::new().cancel(&token));
+        assert!(matches!(stopped, Err(Error::Cancelled)));
+        engine.run(request, &frame, &Run::new()).unwrap();
         for pass in passes {
             let mut session = Session::new(Engine::cpu(), frame.clone());
             for with_kept in [false, true] {

@@ -1,7 +1,7 @@
 //! Normal maps in the ways that people have them: short, with a rim that faces away, without z, bare in an EXR.
 
 use crate::common::exr::Part;
-use crate::common::files::{load, try_load};
+use crate::common::files::{load, read, try_load, try_read};
 use crate::prelude::*;
 use image::{Rgba, RgbaImage};
 use relievo::io::srgb;
@@ -28,10 +28,12 @@ fn save(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 4]) {
     let map = RgbaImage::from_fn(SIDE, SIDE, |x, y| Rgba(pixel(x, y)));
     let is_opaque = map.pixels().all(|p| p[3] == 255);
     let map = image::DynamicImage::ImageRgba8(map);
-    match is_opaque {
-        true => map.to_rgb8().save(path).unwrap(),
-        false => map.save(path).unwrap(),
-    }
+    let saved = if is_opaque {
+        map.to_rgb8().save(path)
+    } else {
+        map.save(path)
+    };
+    saved.unwrap();
 }
 
 /// Saves opaque codes of a map.
@@ -69,7 +71,7 @@ fn error(loaded: &Loaded, count: usize, truth: impl Fn(u32, u32) -> DVec3) -> f6
         let off = frame.normal.at(x, y) - truth(x as u32, y as u32);
         off.abs().max_element()
     });
-    errors.fold(0.0, f64::max)
+    largest(errors)
 }
 
 const ALL: usize = (SIDE * SIDE) as usize;
@@ -228,36 +230,27 @@ fn a_flat_code_of_128_is_flat() {
 
 #[test]
 fn vectors_of_an_exr_need_neither_name_nor_z() {
-    let folder = tempfile::tempdir().unwrap();
     let plane = |at: &dyn Fn(DVec3) -> f64| {
         let side = SIDE as usize;
         Plane::from_fn(side, side, |x, y| at(bump(x as u32, y as u32)) as f32)
     };
-    let write = |name: &str, channels: &[(&str, &Plane)]| {
-        let picture = folder.path().join(name);
-        Part::of(channels.iter().copied()).write(&picture);
-        picture
-    };
-    let read = |name, channels: &[(&str, &Plane)]| load(write(name, channels), |_, _| ());
     let [x, y, z] = [plane(&|n| n.x), plane(&|n| n.y), plane(&|n| n.z)];
-    let rgb = read("rgb.exr", &[("B", &z), ("G", &y), ("R", &x)]);
+    let rgb = read(Part::of([("B", &z), ("G", &y), ("R", &x)]), |_, _| ());
     assert!(error(&rgb, ALL, bump) < 1e-6);
-    let xyz = read("xyz.exr", &[("X", &x), ("Y", &y), ("Z", &z)]);
+    let xyz = read(Part::of([("X", &x), ("Y", &y), ("Z", &z)]), |_, _| ());
     assert_eq!(rgb.frame.normal, xyz.frame.normal);
     assert!(xyz.frame.depth.is_none() && xyz.frame.color.is_none());
-    let pair = read("pair.exr", &[("N.X", &x), ("N.Y", &y)]);
+    let pair = read(Part::of([("N.X", &x), ("N.Y", &y)]), |_, _| ());
     assert!(error(&pair, ALL, bump) < 1e-6);
     assert_eq!(pair.conventions.normal_encoding, NormalEncoding::Xy);
     // The octahedron |x| + |y| + |z| = 1 seen along z.
     let sum = |n: DVec3| n.abs().element_sum();
     let [u, v] = [plane(&|n| n.x / sum(n)), plane(&|n| n.y / sum(n))];
-    let loaded = load(
-        write("oct.exr", &[("M.X", &u), ("M.Y", &v)]),
-        |inputs, _| {
-            inputs.normal = Some("M".into());
-            inputs.normal_encoding = Some(NormalEncoding::Oct);
-        },
-    );
+    let oct = Part::of([("M.X", &u), ("M.Y", &v)]);
+    let loaded = read(oct, |inputs, _| {
+        inputs.normal = Some("M".into());
+        inputs.normal_encoding = Some(NormalEncoding::Oct);
+    });
     assert!(error(&loaded, ALL, bump) < 1e-6);
 }
 
@@ -276,12 +269,10 @@ fn axes_have_the_names_of_those_who_reverse_them() {
 
 #[test]
 fn a_layer_of_light_is_no_normal_map() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("light.exr");
     // From .1 to 9 in all channels: lengths from .17 to 16, of which few are near 1.
     let light = Plane::from_fn(64, 64, |x, y| 0.1 + 0.14 * x.min(y) as f32);
-    Part::of(["L.R", "L.G", "L.B"].map(|name| (name, &light))).write(&path);
-    let found = try_load(path, |inputs, _| inputs.normal = Some("L".into()));
+    let part = Part::of(["L.R", "L.G", "L.B"].map(|name| (name, &light)));
+    let found = try_read(part, |inputs, _| inputs.normal = Some("L".into()));
     let said = found.err().unwrap().to_string();
     assert!(said.contains("is no normal map"), "{said}");
 }
