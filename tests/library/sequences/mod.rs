@@ -55,14 +55,17 @@ fn ruled(degrees: f32) -> LineParams {
     })
 }
 
+/// What is drawn of a frame, alone or of a sequence.
 fn drawn(
     frame: &Frame,
     (tone, scaling): (Tone, ScalingParams),
     line: LineParams,
+    in_sequence: bool,
     sequence: Option<SequenceInputs>,
 ) -> Outcome {
     let available = Available {
-        in_sequence: sequence.is_some(),
+        moving: in_sequence,
+        in_sequence,
         ..Available::in_frame(frame)
     };
     let goal = Goal::Hatch(tone, line);
@@ -76,7 +79,7 @@ fn drawn(
 
 fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Drawing {
     let of_picture = (Tone::Picture, ScalingParams::default());
-    let outcome = drawn(frame, of_picture, line, sequence);
+    let outcome = drawn(frame, of_picture, line, sequence.is_some(), sequence);
     outcome.drawing.expect("a drawing was planned")
 }
 

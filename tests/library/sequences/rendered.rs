@@ -78,7 +78,7 @@ fn differences(frames: impl Iterator<Item = Loaded>) -> [f64; 4] {
     for Loaded { frame, motion, .. } in frames {
         let motion = motion.and_then(|layers| layers.by_name()).unwrap();
         // Levels are those of the first frame.
-        let outcome = drawn(&frame, (Tone::Enhanced, scaling), line, None);
+        let outcome = drawn(&frame, (Tone::Enhanced, scaling), line, true, None);
         let still = outcome.drawing.unwrap();
         line.tone.white_point = Adaptive::Fixed(still.white_point);
         scaling.curvature_gain = Adaptive::Fixed(outcome.gain.unwrap());
@@ -89,10 +89,15 @@ fn differences(frames: impl Iterator<Item = Loaded>) -> [f64; 4] {
                 .and_then(|before| before.carried.coordinates.as_ref()),
             motion: Some(&motion),
         };
-        let carried = drawn(&frame, (Tone::Enhanced, scaling), line, Some(sequence));
+        let carried = drawn(
+            &frame,
+            (Tone::Enhanced, scaling),
+            line,
+            true,
+            Some(sequence),
+        );
         let carried = carried.drawing.unwrap();
-        let in_sequence = Some(SequenceInputs::default());
-        let outcome = drawn(&frame, (Tone::Picture, scaling), alone, in_sequence);
+        let outcome = drawn(&frame, (Tone::Picture, scaling), alone, true, None);
         let levels = outcome.line_levels.map(LineLevels::Given);
         alone.interior.as_mut().unwrap().levels = levels.unwrap();
         let lines = outcome.drawing.unwrap();
