@@ -1,5 +1,6 @@
 //! Silhouettes: gaps between surfaces, and nothing else.
 
+use crate::common::curved::deep;
 use crate::prelude::*;
 
 const SIDE: usize = 200;
@@ -42,11 +43,10 @@ fn ball(in_perspective: bool, distance: f64) -> Frame {
     let wall = Surface::plane(DVec3::Z).moved(DVec3::new(0.0, 0.0, -100.0));
     scene.surfaces.push(wall);
     scene = scene.at_distance(distance);
-    let scene = if in_perspective {
-        scene.in_perspective()
-    } else {
-        scene
-    };
+    if in_perspective {
+        // With pixels of that size at the ball: a focal length of the distance.
+        scene = deep(&scene, distance / 3.0);
+    }
     scene.frame(SIDE, SIDE)
 }
 
