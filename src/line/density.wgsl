@@ -2,7 +2,7 @@
 
 override HAS_ALPHA: bool;
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) {
         densities[i] = 0.0;
         return;

@@ -1,6 +1,6 @@
 // Radiance scaling of a finished picture: intensity is its luminance over the white level.
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) || trace[i] == 0.0 {
         return;
     }

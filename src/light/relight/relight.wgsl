@@ -322,7 +322,7 @@ fn compose(i: u32) {
     blue[i] = premultiplied(shown.z, coverage);
 }
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) {
         return;
     }

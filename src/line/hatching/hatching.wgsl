@@ -37,7 +37,7 @@ fn ink_of(level: u32, weight: f32, density: f32, place: vec2<f32>) -> f32 {
     return ink(at, threshold);
 }
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) {
         paper[i] = 0.0;
         return;

@@ -183,7 +183,7 @@ fn found_at(x: u32, y: u32) -> Found {
     return found;
 }
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     var found = Found(vec2<f32>(0.0), false);
     if is_covered(id.x, id.y) {
         found = found_at(id.x, id.y);

@@ -42,7 +42,7 @@ fn principal_direction(hessian: vec3<f32>) -> vec2<f32> {
     return t;
 }
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     if !is_covered(id.x, id.y) {
         curvature[i] = vec4<f32>(0.0);
         direction[i] = vec2<f32>(0.0);

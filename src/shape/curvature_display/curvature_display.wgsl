@@ -1,6 +1,6 @@
 // The curvature display: edges black, concave warm, convex cold, flat neutral, background white.
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     var shown = BACKGROUND;
     if is_covered(id.x, id.y) {
         let kappa = mapped_curvature(trace[i], params.gain);

@@ -110,7 +110,7 @@ fn strength_after(at: vec2<i32>, axis: vec2<i32>, pitch: f32, step: vec2<f32>) -
     return select(-strength, strength, a.depth <= b.depth);
 }
 
-fn pixel(id: vec2<u32>, i: u32) {
+fn at_pixel(id: vec2<u32>, i: u32) {
     let at = vec2<i32>(id.xy);
     let across = strength_after(at, vec2<i32>(1, 0), params.pitch.x, vec2<f32>(params.step.x, 0.0));
     let down = strength_after(at, vec2<i32>(0, 1), params.pitch.y, vec2<f32>(0.0, params.step.y));
