@@ -28,7 +28,8 @@ const BETWEEN: f32 = 0.2;
 const MASS: f32 = 1.0 / 60.0;
 const FUR: f32 = 1.0 / 30.0;
 
-/// Pixels that are averaged, to each side at the most: of wide masses every second one, or third.
+/// Pixels that are averaged, to each side at the most: of wide masses every second one, or third. With 7 the disc would have
+/// more than 128 pixels.
 const MOST_STEPS: usize = 6;
 
 /// What differs by less than this share of the picture's longer side in depth is of one mass.

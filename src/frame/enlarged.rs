@@ -392,7 +392,7 @@ impl EnlargedAxis {
 }
 
 /// A plane of `sample(x, y)`, rows in parallel, of the rows that begin while it `goes_on`.
-pub(super) fn samples<T: Copy + Default + Send>(
+fn samples<T: Copy + Default + Send>(
     [width, height]: [usize; 2],
     goes_on: &(dyn Fn() -> bool + Sync),
     sample: impl Fn(usize, usize) -> T + Sync,
