@@ -149,7 +149,55 @@ fn lay_over(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [us
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use crate::frame::{ColorPlanes, Window};
+
+    #[test]
+    fn what_lies_behind_fills_what_is_empty_and_shows_through() {
+        let grey = |values: [f32; 2]| {
+            let [r, g, b] = [(); 3].map(|()| Plane::from_fn(2, 1, |x, _| values[x]));
+            ColorPlanes { r, g, b }
+        };
+        let of = |normal: DVec3, seen: [bool; 2], depth: f32| Frame {
+            depth: Some(Plane::filled(2, 1, depth)),
+            ..Frame::of_normals(
+                Vector3Planes::from_fn(2, 1, |_, _| normal),
+                Mask::new(Plane::from_fn(2, 1, |x, _| seen[x])),
+            )
+        };
+        // A quarter of the first pixel is covered; the second is empty.
+        let mut frame = Frame {
+            color: Some(grey([0.2, 0.0])),
+            alpha: Some(Plane::from_fn(2, 1, |x, _| [0.25, 0.0][x])),
+            ..of(DVec3::Z, [true, false], 5.0)
+        };
+        // Its window begins one pixel to the left: the frame is over its second pixel, and right of it.
+        let mut behind = Frame {
+            color: Some(grey([9.0, 0.4])),
+            ..of(DVec3::X, [true, true], 8.0)
+        };
+        behind.data_window = Window::at(-1, 0, 2, 1);
+        let mut scene = SpecularScene {
+            behind: Some(behind),
+            ..SpecularScene::default()
+        };
+        let mut over = frame.clone();
+        scene.fill_from_behind(&mut over);
+        // .2 + (1 - .25) .4 = .5; beyond the picture behind, all stays.
+        assert_eq!(over.color.unwrap().g.samples(), [0.5, 0.0]);
+        assert_eq!(over.alpha.unwrap().samples(), [1.0, 0.0]);
+        assert_eq!(over.mask.plane().samples(), [true, false]);
+        // Moved to the right by one, it fills the second pixel, which does not become a mirror by that.
+        scene.mask = None;
+        frame.data_window = Window::at(-1, 0, 2, 1);
+        scene.fill_from_behind(&mut frame);
+        assert_eq!(frame.mask.plane().samples(), [true, true]);
+        assert_eq!(scene.mask.unwrap().plane().samples(), [true, false]);
+        let normals = [frame.normal.at(0, 0), frame.normal.at(1, 0)];
+        assert_eq!(normals, [DVec3::Z, DVec3::X]);
+        assert_eq!(frame.depth.unwrap().samples(), [5.0, 8.0]);
+        let color = frame.color.unwrap();
+        assert!((color.g.at(0, 0) - 6.95).abs() < 1e-6 && color.g.at(1, 0) == 0.4);
+    }
 
     #[test]
     fn what_is_seen_in_an_enlarged_mirror_keeps_its_surfaces() {

@@ -1,6 +1,7 @@
 //! A rendered mirror ball in a hall, against where the renderer's own rays ended.
 
 use super::*;
+use crate::common::exr::Part;
 use crate::common::files::load;
 use crate::common::program::fixture;
 use relievo::io::{SpecularInputs, load_specular};
@@ -51,6 +52,48 @@ fn the_search_ends_where_the_renderers_rays_did() {
     let median = quantile(&errors, 0.5);
     let is_near = all > 20_000 && share > 0.97 && median < 5e-3;
     assert!(is_near, "{all} rays, {share} found, {median} of the way");
+}
+
+#[test]
+fn distances_and_where_they_were_seen_from_are_as_good_as_positions() {
+    let loaded = loaded();
+    let known = scene(&loaded, None).surroundings.unwrap();
+    let (width, height) = (known.width(), known.height());
+    let distance = Plane::from_fn(width, height, |x, y| known.point_at(x, y).length() as f32);
+    let desk = tempfile::tempdir().unwrap();
+    let [map, pose] = ["map.exr", "pose.json"].map(|name| desk.path().join(name));
+    let n = &known.normal;
+    Part::of([
+        ("Z", &distance),
+        ("N.X", &n.x),
+        ("N.Y", &n.y),
+        ("N.Z", &n.z),
+    ])
+    .write(&map);
+    let place = -(known.map_from_world * known.center);
+    let row = |i: usize| known.map_from_world.row(i).extend(place[i]).to_array();
+    let matrix = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
+    std::fs::write(&pose, format!("{{\"world_to_camera\": {matrix:?}}}")).unwrap();
+    let inputs = SpecularInputs {
+        surroundings: Some(map),
+        surroundings_camera: Some(pose),
+        ..SpecularInputs::default()
+    };
+    let found = load_specular(&inputs, &loaded, None)
+        .unwrap()
+        .surroundings
+        .unwrap();
+    assert!(found.center.distance(known.center) < 1e-12);
+    for (x, y) in places(width, height).filter(|&(x, y)| distance.at(x, y) > 0.0) {
+        let [found, known] = [&found, &known].map(|map| map.point_at(x, y));
+        // The renderer's rays pass a pixel anywhere, up to half its diagonal off, .71; its positions are rounded.
+        let off = found.angle_between(known) / (std::f64::consts::PI / height as f64);
+        let length = found.length() / known.length() - 1.0;
+        assert!(
+            off < 0.8 && length.abs() < 1e-6,
+            "({x}, {y}): {off} px, {length}"
+        );
+    }
 }
 
 /// Image direction where adjacent pixels hit walls: the upright tangent of [LA] section 4.2, by the Jacobian of the
