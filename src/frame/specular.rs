@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(over.color.unwrap().g.samples(), [0.5, 0.0]);
         assert_eq!(over.alpha.unwrap().samples(), [1.0, 0.0]);
         assert_eq!(over.mask.plane().samples(), [true, false]);
-        // Moved to the right by one, it fills the second pixel, which does not become a mirror by that.
+        // In one window with it the second pixel is filled, and no mirror by that. The first: .2 + .75 * 9.
         scene.mask = None;
         frame.data_window = Window::at(-1, 0, 2, 1);
         scene.fill_from_behind(&mut frame);
